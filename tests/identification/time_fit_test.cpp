@@ -448,6 +448,8 @@ TEST(TimeFit, ADriftIsSaidAndEstimated) {
   const Structure structure("K/(T s^a + 1)");
   const FitResult plain = frac::fit(data, structure);
   EXPECT_NE(plain.message.find("drift"), std::string::npos) << plain.message;
+  ASSERT_EQ(plain.advice.size(), 1u);
+  EXPECT_EQ(plain.advice[0].remedy, frac::Remedy::estimate_trend);
   TimeFitOptions options;
   options.trend = true;
   const FitResult result = frac::fit(data, structure, options);

@@ -143,7 +143,8 @@ TEST(Verdict, OverTimeADriftThatPolesFollowIsSaid) {
     const frac::TimeResponseData record(time, input, output);
     frac::TimeFitOptions options;
     const auto advises = [&] {
-      return frac::identify(record, models, options).verdict_sentence.find("--trend") != std::string::npos;
+      const auto advice = frac::identify(record, models, options).advice;
+      return advice.size() == 1 && advice[0].remedy == frac::Remedy::estimate_trend;
     };
     EXPECT_EQ(advises(), drift > 0);
     options.trend = true;

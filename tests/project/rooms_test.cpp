@@ -121,6 +121,17 @@ TEST_P(Library, ARoomIncludesOnlyTheRoomsAboveIt) {
   EXPECT_GT(checked, 100u);  // the pattern has found the includes
 }
 
+// What helps is a value (frac::Advice) that each front end says in its own words; the libraries have other front ends
+// than the command line.
+TEST_P(Library, NamesNoOptionOfTheCommandLine) {
+  const std::regex option(R"rx("([^"]*[^-"])?--[a-z][a-z-]+)rx");
+  for (const fs::path& file : files()) {
+    std::istringstream lines(content_of(file));
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_FALSE(std::regex_search(line, option)) << file << ": " << line;
+  }
+}
+
 TEST_P(Library, EveryHeaderNamedInTheReadmeExists) {
   for (const auto& [header, room] : rooms_.room_of_public) {
     EXPECT_TRUE(fs::exists(root_ / "include" / name_ / header)) << header << " of the room " << room;

@@ -290,7 +290,8 @@ TEST(Fit, CsvAndTable) {
   const TemporaryFolder folder;
   const auto data = folder.write("data.csv", power_law_data());
   const auto csv = successful({"fit", data, "--model", "power-law", "--format", "csv"});
-  EXPECT_NE(csv.find("\nname,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed,unit\nK,"),
+  EXPECT_NE(csv.find("\nname,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed,unit,lower_limit,"
+                     "upper_limit\nK,"),
             std::string::npos)
       << csv;
   const auto table = successful({"fit", data, "--model", "power-law", "--bound", "a=:0.5", "--format", "table"});

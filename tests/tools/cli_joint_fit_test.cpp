@@ -123,9 +123,9 @@ TEST(CliJointFit, TableAndCsvNameSharedAndOwnParameters) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << "\n" << table.output;
   const auto csv = data.joint(data.files, {"--shared", "a", "--format", "csv"});
   ASSERT_EQ(csv.code, 0) << csv.error;
-  EXPECT_NE(
-      csv.output.find("\ncurve,name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,shared,unit\n"),
-      std::string::npos)
+  EXPECT_NE(csv.output.find("\ncurve,name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,shared,unit,"
+                            "lower_limit,upper_limit\n"),
+            std::string::npos)
       << csv.output;
 }
 

@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -66,8 +67,26 @@ class Structure {
   /// For each parameter whether it, or the power whose exponent it belongs to, is part of a term of a sum:
   /// a in K/(T s^a + 1) is, p in K s^p is not.
   [[nodiscard]] const std::vector<bool>& parameter_in_sum() const noexcept { return in_sum_; }
+  /// For each parameter whether it is a coefficient that a fit takes as positive unless told otherwise: one of a sum of
+  /// several terms in a divisor, of the base of a power, or of an argument of a function.  T, Q1, b2 and R1 in
+  /// K/(T s^a + 1), R0 + R1/(1 + R1 Q1 s^n1) and K/(b2 s^2 + 1) are.  There another sign moves poles across the
+  /// imaginary axis, by way of an infinite response on it, or leaves no real value: time constants, capacities and
+  /// the like, which stable systems have positive.  Every other coefficient is a gain: the factor of a term of the
+  /// numerator, such as R0, or of the whole, such as K.  The response goes smoothly through 0 with it, and a sum with a
+  /// negative term is a model like any other.
+  [[nodiscard]] const std::vector<bool>& parameter_keeps_sign() const noexcept { return keeps_sign_; }
   /// Whether s stands under a root or a power that is no whole number, or whose order is a parameter.
   [[nodiscard]] bool has_fractional_order() const;
+  /// Where two formulas are the same structure, the index in the other one of each parameter of this one; empty where
+  /// they are not.  They are the same where they differ only in the names of parameters, the order of terms and
+  /// factors, blanks, redundant parentheses, and in how numbers and signs are written (K s^-1 is K/s, -(a - b) is
+  /// b - a).  Of several ways to match the parameters, as with two like arcs, equal names are matched first, then the
+  /// others by their names (R2 before R10), so that the answer does not depend on the order of terms.
+  [[nodiscard]] std::optional<std::vector<std::size_t>> correspondence(const Structure& other) const;
+  /// The formula with other names for its parameters, in their order.
+  /// @throws std::invalid_argument  not one name for each parameter
+  /// @throws FormulaError  a name that is none
+  [[nodiscard]] Structure renamed(std::span<const std::string> names) const;
   /// Index of a parameter. @throws std::invalid_argument  naming the known ones.
   [[nodiscard]] std::size_t parameter_index(std::string_view name) const;
 
@@ -102,6 +121,7 @@ class Structure {
   std::vector<std::string> names_;
   std::vector<ParameterRole> roles_;
   std::vector<bool> in_sum_;
+  std::vector<bool> keeps_sign_;
   std::shared_ptr<const detail::Expression> expression_;
   std::shared_ptr<const detail::Program> program_;
 };

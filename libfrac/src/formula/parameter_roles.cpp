@@ -12,6 +12,8 @@ struct Surroundings {
   bool in_exponent = false;
   bool linear_in_exp = false;    // a part of the argument of exp( ) that s enters without a power
   bool factor_of_delay = false;  // multiplies such an s
+  bool in_divisor = false;
+  bool keeps_sign = false;  // part of a sum of several terms in a divisor, of a base or of an argument
 };
 
 bool is_power(Operation operation) {
@@ -61,6 +63,7 @@ ParameterUse parameter_use(const Expression& expression) {
   const std::vector<bool> linear = linear_in_s(nodes);
   std::vector<Surroundings> around(nodes.size());
   ParameterUse use{std::vector<ParameterRole>(expression.parameter_names.size(), ParameterRole::coefficient),
+                   std::vector<bool>(expression.parameter_names.size(), false),
                    std::vector<bool>(expression.parameter_names.size(), false)};
 
   // Users stand behind their operands, so going backwards each node is complete before its operands are marked.
@@ -74,6 +77,8 @@ ParameterUse parameter_use(const Expression& expression) {
         use.roles[parameter] = ParameterRole::order;
       } else if (here.factor_of_delay) {
         use.roles[parameter] = ParameterRole::delay;
+      } else {
+        use.keeps_sign[parameter] = here.keeps_sign;
       }
       continue;
     }
@@ -86,6 +91,10 @@ ParameterUse parameter_use(const Expression& expression) {
       const bool carries_factors = is_sum(node.operation) || node.operation == Operation::negate ||
                                    node.operation == Operation::multiply ||
                                    (node.operation == Operation::divide && !is_divisor);
+      const bool is_inner = !is_sum(node.operation) && node.operation != Operation::negate &&
+                            node.operation != Operation::multiply && node.operation != Operation::divide;
+      marks.in_divisor = marks.in_divisor || here.in_divisor || is_divisor;
+      marks.keeps_sign = marks.keeps_sign || here.keeps_sign || is_inner || (here.in_divisor && is_sum(node.operation));
       // A sum within an exponent does not put the power into a sum.
       marks.in_sum = marks.in_sum || here.in_sum || (is_sum(node.operation) && !here.in_exponent);
       marks.in_exponent = marks.in_exponent || here.in_exponent || is_exponent;

@@ -12,6 +12,7 @@ namespace frac::detail {
 struct ParameterUse {
   std::vector<ParameterRole> roles;
   std::vector<bool> in_sum;
+  std::vector<bool> keeps_sign;
 };
 
 [[nodiscard]] ParameterUse parameter_use(const Expression& expression);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "canonical_form.hpp"
 #include "expression.hpp"
 #include "formula_parser.hpp"
 #include "grouped_text.hpp"
@@ -53,6 +54,7 @@ Structure::Structure(std::string_view formula)
   detail::ParameterUse use = detail::parameter_use(*expression_);
   roles_ = std::move(use.roles);
   in_sum_ = std::move(use.in_sum);
+  keeps_sign_ = std::move(use.keeps_sign);
   program_ = std::make_shared<detail::Program>(*expression_);
 }
 
@@ -73,6 +75,15 @@ bool Structure::has_fractional_order() const {
     const std::optional<double> exponent = detail::literal_value(nodes, node.right);
     return !exponent || *exponent != std::round(*exponent);
   });
+}
+
+std::optional<std::vector<std::size_t>> Structure::correspondence(const Structure& other) const {
+  return detail::matched_parameters(*expression_, *other.expression_);
+}
+
+Structure Structure::renamed(std::span<const std::string> names) const {
+  check_length(names.size(), names_.size(), "names");
+  return Structure(detail::with_names(*expression_, names));
 }
 
 std::size_t Structure::parameter_index(std::string_view name) const {

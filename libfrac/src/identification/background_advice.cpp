@@ -51,21 +51,22 @@ Better best_with(const TimeResponseData& data, const TimeFitOptions& background,
 
 }  // namespace
 
-std::string background_advice(const TimeResponseData& data, const TimeFitOptions& options,
-                              const IdentificationResult& result) {
+void add_background_advice(const TimeResponseData& data, const TimeFitOptions& options, IdentificationResult& result) {
   const RankedFit& chosen = result.ranking.at(result.chosen);
-  if (!chosen.from_family || options.trend || options.earlier_input) return {};
+  if (!chosen.from_family || options.trend || options.earlier_input) return;
   TimeFitOptions trend = options, motion = options;
   trend.trend = motion.earlier_input = true;
   // Steps of the input before the record are three.
   const Better drifting = best_with(data, trend, 1, result), moving = best_with(data, motion, 3, result);
   const bool is_motion = moving.bic < drifting.bic;
   const Better& better = is_motion ? moving : drifting;
-  if (!(better.bic < chosen.fit.bic - clearly_less)) return {};
-  return std::string(is_motion ? " The record seems to start in motion" : " The output seems to drift") + ": with " +
-         (is_motion ? "--earlier-input" : "--trend") + " '" + better.name + "' describes it better than '" +
-         chosen.name + "' does without (BIC lower by " + four_digits(chosen.fit.bic - better.bic) +
-         "), and the verdict may change.";
+  if (!(better.bic < chosen.fit.bic - clearly_less)) return;
+  result.verdict_sentence += (is_motion ? " The record seems to start in motion: with the input before it estimated too"
+                                        : " The output seems to drift: with the drift estimated too") +
+                             std::string(", '") + better.name + "' describes it better than '" + chosen.name +
+                             "' does without (BIC lower by " + four_digits(chosen.fit.bic - better.bic) +
+                             "), and the verdict may change.";
+  result.advice.push_back({is_motion ? Remedy::estimate_earlier_input : Remedy::estimate_trend});
 }
 
 }  // namespace frac::detail

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-
 #include "frac/identification/identify.hpp"
 
 namespace frac::detail {
 
-/// A sentence where a preset with a drift of the output, or with an input before the record, describes the record
-/// better than the ratio that was chosen without: poles of a ratio can follow a drift, which then stands in no
-/// residual. Empty where none does, or where a preset was chosen, whose own residuals would show it.
-[[nodiscard]] std::string background_advice(const TimeResponseData& data, const TimeFitOptions& options,
-                                            const IdentificationResult& result);
+/// Says it in the verdict's sentence and as advice where a preset with a drift of the output, or with an input before
+/// the record, describes the record better than the ratio that was chosen without: poles of a ratio can follow a drift,
+/// which then stands in no residual.  Nothing where none does, or where a preset was chosen, whose own residuals would
+/// show it.
+void add_background_advice(const TimeResponseData& data, const TimeFitOptions& options, IdentificationResult& result);
 
 }  // namespace frac::detail

@@ -9,7 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "frac/identification/constraints.hpp"
 #include "frac/identification/model_library.hpp"
+#include "identification/recognised_preset.hpp"
 #include "identification/search/global_search.hpp"
 
 namespace frac::detail {
@@ -97,26 +99,31 @@ double least_gain(const TimeResponseData& data) {
   return input > 0 ? output / input : 1;
 }
 
+/// Start values of the richer structure where it is the simpler one.
 /// @param smallness  for what is little
-std::vector<ParameterConstraint> start_of_contained(const Row& row, const FitResult& fit, double gain_of_data,
-                                                    double smallness) {
+std::vector<ParameterConstraint> start_of_contained(const Row& row, const RecognisedPreset& rich, const FitResult& fit,
+                                                    double gain_of_data, double smallness) {
+  const RecognisedPreset simple = recognised_preset(Structure(fit.model)).value();
   std::vector<ParameterConstraint> starts;
-  const auto set = [&](std::string_view name, double value) {
-    starts.push_back({std::string(name), {}, {}, {}, value});
+  const auto value_of = [&](std::string_view preset_name) {
+    for (std::size_t i = 0; i < simple.preset_names.size(); ++i) {
+      if (simple.preset_names[i] != preset_name) continue;
+      for (const ParameterEstimate& estimate : fit.parameters)
+        if (estimate.name == simple.structure_names[i]) return std::optional(estimate.value);
+    }
+    return std::optional<double>();
   };
-  for (const Value& value : row.differs) {
-    const auto of = std::find_if(fit.parameters.begin(), fit.parameters.end(),
-                                 [&](const ParameterEstimate& estimate) { return estimate.name == value.of; });
-    const double unit = value.of == gain ? gain_of_data : of == fit.parameters.end() ? 1 : of->value;
-    set(value.parameter, (value.factor == little ? smallness : value.factor) * std::pow(unit, value.power));
-  }
-  const Structure rich(find_model(row.pair.rich).formula);
-  for (const ParameterEstimate& estimate : fit.parameters) {
-    const auto& names = rich.parameter_names();
-    const bool shared = std::find(names.begin(), names.end(), estimate.name) != names.end();
-    const bool given = std::any_of(row.differs.begin(), row.differs.end(),
-                                   [&](const Value& value) { return value.parameter == estimate.name; });
-    if (shared && !given) set(estimate.name, estimate.value);
+  for (std::size_t i = 0; i < rich.preset_names.size(); ++i) {
+    const auto differs = std::find_if(row.differs.begin(), row.differs.end(),
+                                      [&](const Value& value) { return value.parameter == rich.preset_names[i]; });
+    std::optional<double> start;
+    if (differs == row.differs.end()) {
+      start = value_of(rich.preset_names[i]);
+    } else {
+      const double unit = differs->of == gain ? gain_of_data : value_of(differs->of).value_or(1);
+      start = (differs->factor == little ? smallness : differs->factor) * std::pow(unit, differs->power);
+    }
+    if (start) starts.push_back({rich.structure_names[i], {}, {}, {}, start});
   }
   return starts;
 }
@@ -124,30 +131,20 @@ std::vector<ParameterConstraint> start_of_contained(const Row& row, const FitRes
 constexpr double rounding = 1e-9;  // of costs
 
 template <class Data, class Options>
-std::optional<FitResult> fitted_from(const Data& data, const Containment& pair,
-                                     const std::vector<ParameterConstraint>& constraints, const FitResult& simple,
-                                     const Options& options) {
-  const auto row = std::find_if(rows().begin(), rows().end(), [&](const Row& each) {
-    return each.pair.rich == pair.rich && each.pair.simple == pair.simple;
-  });
+std::optional<FitResult> fitted_from(const Data& data, const Row& row, const Structure& structure,
+                                     const RecognisedPreset& rich, const FitResult& simple, const Options& options) {
   const bool has_limit =
-      std::any_of(row->differs.begin(), row->differs.end(), [](const Value& value) { return value.factor == little; });
+      std::any_of(row.differs.begin(), row.differs.end(), [](const Value& value) { return value.factor == little; });
   std::optional<FitResult> best;
   for (const double smallness : {little, next_to_nothing}) {
     Options warm = options;
     warm.global_start = false;
-    warm.constraints = constraints;
-    for (const ParameterConstraint& start : start_of_contained(*row, simple, least_gain(data), smallness)) {
-      const auto own = std::find_if(warm.constraints.begin(), warm.constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == start.name; });
-      if (own == warm.constraints.end()) {
-        warm.constraints.push_back(start);
-      } else if (!own->fixed) {
-        own->start = start.start;
-      }
+    for (const ParameterConstraint& start : start_of_contained(row, rich, simple, least_gain(data), smallness)) {
+      ParameterConstraint& own = constraint_of(warm.constraints, start.name);
+      if (!own.fixed) own.start = start.start;
     }
     try {
-      FitResult fit = frac::fit(data, Structure(find_model(pair.rich).formula), warm);
+      FitResult fit = frac::fit(data, structure, warm);
       if (!best || fit.cost < best->cost) best = std::move(fit);
     } catch (const std::invalid_argument&) {
       // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
@@ -158,20 +155,35 @@ std::optional<FitResult> fitted_from(const Data& data, const Containment& pair,
 }
 
 template <class Data, class Options>
+std::optional<FitResult> fitted_from(const Data& data, const Containment& pair, const NamedModel& model,
+                                     const FitResult& simple, const Options& options) {
+  const auto row = std::find_if(rows().begin(), rows().end(), [&](const Row& each) {
+    return each.pair.rich == pair.rich && each.pair.simple == pair.simple;
+  });
+  const Structure structure(model.formula);
+  Options of_model = options;
+  of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
+  return fitted_from(data, *row, structure, recognised_preset(structure).value(), simple, of_model);
+}
+
+template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
-  const auto preset = std::find_if(model_library().begin(), model_library().end(),
-                                   [&](const NamedModel& each) { return each.formula == structure.formula(); });
-  if (preset == model_library().end()) return fit;
+  const std::optional<RecognisedPreset> rich = recognised_preset(structure);
+  if (!rich) return fit;
   for (const Row& row : rows()) {
-    if (row.pair.rich != preset->name) continue;
+    if (row.pair.rich != rich->preset->name) continue;
     const NamedModel& simple = find_model(row.pair.simple);
     const Structure contained(simple.formula);
     Options of_contained = options;
-    // The same names have the same meaning in both; what the user says of them holds in both.
+    // The same names of presets have the same meaning in both; what the user says of them holds in both.
+    of_contained.constraints = renamed(options.constraints, rich->structure_names, rich->preset_names);
     std::erase_if(of_contained.constraints, [&](const ParameterConstraint& each) {
       const auto& names = contained.parameter_names();
-      return std::find(names.begin(), names.end(), each.name) == names.end();
+      const auto is_known = [&](const std::string& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+      };
+      return !is_known(each.name) || (!each.above.empty() && !is_known(each.above));
     });
     for (const ParameterConstraint& own : simple.constraints) {
       const bool said = std::any_of(of_contained.constraints.begin(), of_contained.constraints.end(),
@@ -186,7 +198,7 @@ FitResult no_worse(const Data& data, const Structure& structure, const Options& 
     }
     fit.seconds += optimum.seconds;
     if (!(optimum.cost < fit.cost * (1 - rounding))) continue;
-    std::optional<FitResult> from = fitted_from(data, row.pair, options.constraints, optimum, options);
+    std::optional<FitResult> from = fitted_from(data, row, structure, *rich, optimum, options);
     if (!from || !(from->cost < fit.cost)) continue;
     // A minimum that the search has not seen.
     from->starts = fit.starts + 1;
@@ -208,14 +220,14 @@ FitOptions with_floor_of(FitOptions options, const FitResult& fit) {
 }  // namespace
 
 std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const Containment& pair,
-                                            const std::vector<ParameterConstraint>& constraints,
-                                            const FitResult& simple, const FitOptions& options) {
-  return fitted_from(data, pair, constraints, simple, options);
+                                            const NamedModel& rich, const FitResult& simple,
+                                            const FitOptions& options) {
+  return fitted_from(data, pair, rich, simple, options);
 }
 std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const Containment& pair,
-                                            const std::vector<ParameterConstraint>& constraints,
-                                            const FitResult& simple, const TimeFitOptions& options) {
-  return fitted_from(data, pair, constraints, simple, options);
+                                            const NamedModel& rich, const FitResult& simple,
+                                            const TimeFitOptions& options) {
+  return fitted_from(data, pair, rich, simple, options);
 }
 
 FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,

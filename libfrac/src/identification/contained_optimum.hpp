@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/model_library.hpp"
 #include "frac/identification/time_fit.hpp"
 
 namespace frac::detail {
@@ -17,15 +18,16 @@ struct Containment {
 /// All of the library, simpler ones first.
 [[nodiscard]] std::vector<Containment> containments();
 
-/// The richer preset, with these constraints, started where it is the simpler one at its optimum, or next to it where
-/// it is that as a limit.  Empty where it may not start there.
+/// The richer preset started where it is the simpler one at its optimum, or next to it where it is that as a limit.
+/// Empty where it may not start there.
+/// @param rich    as it is written among the candidates
 /// @param simple  of the same data and options
 [[nodiscard]] std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const Containment& pair,
-                                                          const std::vector<ParameterConstraint>& constraints,
-                                                          const FitResult& simple, const FitOptions& options);
+                                                          const NamedModel& rich, const FitResult& simple,
+                                                          const FitOptions& options);
 [[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const Containment& pair,
-                                                          const std::vector<ParameterConstraint>& constraints,
-                                                          const FitResult& simple, const TimeFitOptions& options);
+                                                          const NamedModel& rich, const FitResult& simple,
+                                                          const TimeFitOptions& options);
 
 /// A searched fit that is no worse than any preset the structure contains: where one is better, it is where the fit
 /// starts anew.  Structures that are no presets and fits with a robust loss stay as they are.

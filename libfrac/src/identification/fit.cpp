@@ -312,6 +312,16 @@ bool is_surely_lowest(const FitResult& result, const FitResult& similar, const F
   });
 }
 
+/// A result of the same structure, however it is written, with the parameters' names in this one; empty for another.
+std::optional<FitResult> in_names_of(const Structure& structure, FitResult result) {
+  if (result.model == structure.formula()) return result;
+  const Structure fitted(result.model);
+  const auto place = fitted.correspondence(structure);
+  if (!place) return std::nullopt;
+  for (std::size_t i = 0; i < place->size(); ++i) result.parameters[i].name = structure.parameter_names()[(*place)[i]];
+  return result;
+}
+
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
@@ -322,9 +332,11 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
 
 FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, const Structure& structure,
                    const FitOptions& options) {
-  if (similar.usable() && similar.model == structure.formula() && options.loss == Loss::none && options.global_start) {
-    FitResult result = fit_with_floor(data, structure, detail::started_at(options, similar), {true, true});
-    if (is_surely_lowest(result, similar, data, options)) return result;
+  if (similar.usable() && options.loss == Loss::none && options.global_start) {
+    if (const std::optional<FitResult> known = in_names_of(structure, similar)) {
+      FitResult result = fit_with_floor(data, structure, detail::started_at(options, *known), {true, true});
+      if (is_surely_lowest(result, similar, data, options)) return result;
+    }
   }
   return fit(data, structure, options);
 }

@@ -49,6 +49,12 @@ constexpr detail::Spellings<GrowthFamily, 6> family_names = {{
     {GrowthFamily::terms, "terms"},
 }};
 
+constexpr detail::Spellings<Remedy, 3> remedy_names{{
+    {Remedy::give_limits, "give-limits"},
+    {Remedy::estimate_trend, "estimate-trend"},
+    {Remedy::estimate_earlier_input, "estimate-earlier-input"},
+}};
+
 }  // namespace
 
 std::string_view to_string(Component component) {
@@ -69,6 +75,9 @@ std::string_view to_string(IntervalKind kind) {
 std::string_view to_string(GrowthFamily family) {
   return detail::spelling(family_names, family);
 }
+std::string_view to_string(Remedy remedy) {
+  return detail::spelling(remedy_names, remedy);
+}
 Component component_from_string(std::string_view text) {
   return detail::from_spelling(component_names, "component", text);
 }
@@ -83,6 +92,9 @@ FitTermination fit_termination_from_string(std::string_view text) {
 }
 IntervalKind interval_kind_from_string(std::string_view text) {
   return detail::from_spelling(interval_names, "kind of interval", text);
+}
+Remedy remedy_from_string(std::string_view text) {
+  return detail::from_spelling(remedy_names, "remedy", text);
 }
 GrowthFamily growth_family_from_string(std::string_view text) {
   return detail::from_spelling(family_names, "family", text);

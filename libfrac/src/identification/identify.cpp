@@ -17,6 +17,7 @@
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
+#include "identification/recognised_preset.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -175,19 +176,20 @@ double by_far(std::size_t residuals) {
 /// Fits that ended above a structure they contain start from its optimum.
 template <class Data, class Options>
 void start_from_contained(const Data& data, const Options& options, std::vector<Outcome>& outcomes) {
+  std::vector<std::string_view> presets;  // of the outcomes; empty where one is none
+  for (const Outcome& outcome : outcomes) {
+    const auto found = outcome.fit ? detail::recognised_preset(Structure(outcome.model.formula)) : std::nullopt;
+    presets.push_back(found ? std::string_view(found->preset->name) : std::string_view());
+  }
   const auto named = [&](std::string_view name) {
-    return std::find_if(outcomes.begin(), outcomes.end(),
-                        [&](const Outcome& outcome) { return outcome.model.name == name && outcome.fit; });
+    return outcomes.begin() + (std::find(presets.begin(), presets.end(), name) - presets.begin());
   };
   for (const detail::Containment& pair : detail::containments()) {
     const auto rich = named(pair.rich), simple = named(pair.simple);
     if (rich == outcomes.end() || simple == outcomes.end()) continue;
     constexpr double rounding = 1e-9;
     if (!(simple->fit->cost < rich->fit->cost * (1 - rounding))) continue;
-    std::vector<ParameterConstraint> constraints = options.constraints;
-    const auto& own = rich->model.constraints;
-    constraints.insert(constraints.end(), own.begin(), own.end());
-    std::optional<FitResult> fit = detail::fit_from_contained(data, pair, constraints, *simple->fit, options);
+    std::optional<FitResult> fit = detail::fit_from_contained(data, pair, rich->model, *simple->fit, options);
     if (fit && fit->cost < rich->fit->cost) rich->fit = std::move(fit);
   }
 }
@@ -318,7 +320,7 @@ IdentificationResult identify(const TimeResponseData& data, const std::vector<Na
                               const TimeFitOptions& options, int threads) {
   detail::RatioGrowths none;  // over time each family grows by itself
   IdentificationResult result = ranked(data, models, {}, options, none, threads);
-  result.verdict_sentence += detail::background_advice(data, options, result);
+  detail::add_background_advice(data, options, result);
   return result;
 }
 

@@ -163,9 +163,8 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
     if (terms == 1) continue;
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
-    const double correlation = full.termination == FitTermination::converged
-                                   ? residual_whiteness(data, options, full).lag_one_correlation
-                                   : 0;
+    const double correlation =
+        full.termination == FitTermination::converged ? residual_whiteness(data, options, full).lag_one_correlation : 0;
     const double gain = (simple.aicc - full.aicc) * detail::independent_share(correlation);
     growth.reason = reason_against(simple, full, gain);
     if (!growth.reason.empty()) break;
@@ -275,7 +274,12 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
     }
   }
   if (family == GrowthFamily::denominator) formula = "1/(b0" + formula + ")";
-  if (family == GrowthFamily::arcs) formula = "R0" + formula;
+  if (family == GrowthFamily::arcs) {
+    formula = "R0" + formula;
+    ParameterConstraint series{"R0", {}, {}, {}, {}};
+    series.positive = true;
+    model.constraints.push_back(series);
+  }
   model.name = model.formula = formula;
   return model;
 }

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/model_library.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "formula/canonical_form.hpp"
 #include "frac/structure.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/recognised_preset.hpp"
 #include "identification/time_growth.hpp"
 
 namespace frac {
@@ -18,6 +23,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ParameterConstraint sign_free(std::string name) {
   return {std::move(name), {}, -infinity, {}, {}};
+}
+/// A gain that is one of a passive element, or a modulus.
+ParameterConstraint positive(std::string name) {
+  return {std::move(name), {}, {}, {}, {}, {}, {}, true};
 }
 ParameterConstraint within(std::string name, double lower, double upper) {
   return {std::move(name), {}, lower, upper, {}};
@@ -148,25 +157,26 @@ const std::vector<NamedModel>& model_library() {
     {"havriliak-negami", "K/(1 + (T s)^a)^b", fractional, "general relaxation (Havriliak, Negami 1967)",
      {sign_free("K"), within("a", 0, 1), within("b", 0, 1)}},
     {"zarc", "R0 + R1/(1 + R1 Q1 s^n1)", fractional, "resistance and constant-phase element in parallel",
-     {within("n1", 0, 1)}},
+     {positive("R0"), within("n1", 0, 1)}},
     {"two-zarc", "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)", fractional, "two such arcs",
-     {within("n1", 0, 1), within("n2", 0, 1)}},
+     {positive("R0"), within("n1", 0, 1), within("n2", 0, 1)}},
     {"fractional-zener", "E0 + E1 (T s)^a/(1 + (T s)^a)", fractional, "solid with one spring-pot (Bagley, Torvik 1983)",
-     {within("a", 0, 1)}},
+     {positive("E0"), positive("E1"), within("a", 0, 1)}},
     {"havriliak-negami-modulus", "E0 + E1 (1 - 1/(1 + (T s)^a)^b)", fractional, "solid with a skewed relaxation",
-     {within("a", 0, 1), within("b", 0, 1)}},
+     {positive("E0"), positive("E1"), within("a", 0, 1), within("b", 0, 1)}},
     {"arc-and-cpe", "R0 + R1/(1 + R1 Q1 s^n1) + A s^n2", fractional,
-     "arc in series with diffusion or a blocking electrode", {within("n1", 0, 1), within("n2", -1, 0)}},
+     "arc in series with diffusion or a blocking electrode",
+     {positive("R0"), positive("A"), within("n1", 0, 1), within("n2", -1, 0)}},
     {"r-l-cpe", "R0 + L s + A s^n1", fractional, "resistance, inductance and constant-phase element in series",
-     {within("n1", -1, 0)}},
+     {positive("R0"), positive("L"), positive("A"), within("n1", -1, 0)}},
     {"finite-warburg-short", "R0 + R1 tanh(sqrt(T s))/sqrt(T s)", fractional,
-     "diffusion through a layer, held at its far side", {}},
+     "diffusion through a layer, held at its far side", {positive("R0"), positive("R1")}},
     {"finite-warburg-open", "R0 + R1 coth(sqrt(T s))/sqrt(T s)", fractional,
-     "diffusion into a layer, blocked at its far side", {}},
+     "diffusion into a layer, blocked at its far side", {positive("R0"), positive("R1")}},
     {"rc-and-warburg-short", "R0 + R1/(1 + R1 C1 s) + R2 tanh(sqrt(T s))/sqrt(T s)", fractional,
-     "cell: an arc and diffusion through a layer", {}},
+     "cell: an arc and diffusion through a layer", {positive("R0"), positive("R2")}},
     {"rc-and-warburg-open", "R0 + R1/(1 + R1 C1 s) + R2 coth(sqrt(T s))/sqrt(T s)", fractional,
-     "battery: an arc and diffusion into a layer", {}},
+     "battery: an arc and diffusion into a layer", {positive("R0"), positive("R2")}},
     {"diffusion-through", "K/cosh(sqrt(T s))", fractional, "diffusion through a layer, seen at its far side",
      {sign_free("K")}},
     {"diffusion-through-lag", "K/((T2 s + 1) cosh(sqrt(T s)))", fractional, "the same behind a sensor's lag",
@@ -194,9 +204,11 @@ const std::vector<NamedModel>& model_library() {
      {sign_free("M"), sign_free("d"), sign_free("c")}},
     {"inertia-and-integrator", "1/(M s^2) + d + c/s", integer_order, "free mass, constant and integrator",
      {sign_free("M"), sign_free("d"), sign_free("c")}},
-    {"zener", "E0 + E1 T s/(1 + T s)", integer_order, "standard linear solid", {}},
-    {"r-rc", "R0 + R1/(1 + R1 C1 s)", integer_order, "resistance and capacitance in parallel", {}},
-    {"two-rc", "R0 + R1/(1 + R1 C1 s) + R2/(1 + R2 C2 s)", integer_order, "two such arcs", {}},
+    {"zener", "E0 + E1 T s/(1 + T s)", integer_order, "standard linear solid", {positive("E0"), positive("E1")}},
+    {"r-rc", "R0 + R1/(1 + R1 C1 s)", integer_order, "resistance and capacitance in parallel",
+     {positive("R0")}},
+    {"two-rc", "R0 + R1/(1 + R1 C1 s) + R2/(1 + R2 C2 s)", integer_order, "two such arcs",
+     {positive("R0")}},
   };
   // clang-format on
   return models;
@@ -225,14 +237,83 @@ NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
   return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
 }
 
+namespace {
+
+/// A preset's name in capitals, or with _ for -, parses as a formula of parameters alone, which nobody means.
+void refuse_letters_of_preset(std::string_view text) {
+  std::string letters(text);
+  for (char& c : letters) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::vector<std::string> names{"rational", "commensurate", "terms"};
+  for (const NamedModel& model : model_library()) names.push_back(model.name);
+  if (letters == text || std::find(names.begin(), names.end(), letters) == names.end()) return;
+  throw std::invalid_argument("model '" + std::string(text) + "' is a formula without s; did you mean " + letters +
+                              "?");
+}
+
+struct ReadPreset {
+  const NamedModel* preset;
+  Structure structure;
+  std::string shape;
+};
+const std::vector<ReadPreset>& read_presets() {
+  static const auto presets = [] {
+    std::vector<ReadPreset> read;
+    for (const NamedModel& model : model_library()) {
+      const Structure structure(model.formula);
+      read.push_back({&model, structure, detail::shape_of(structure.expression())});
+    }
+    return read;
+  }();
+  return presets;
+}
+
+}  // namespace
+
+std::optional<detail::RecognisedPreset> detail::recognised_preset(const Structure& structure) {
+  const std::string shape = shape_of(structure.expression());
+  for (const auto& [preset, read, its_shape] : read_presets()) {
+    if (its_shape != shape) continue;
+    const auto matched = read.correspondence(structure);
+    if (!matched) continue;
+    RecognisedPreset found{preset, read.parameter_names(), {}};
+    for (const std::size_t i : *matched) found.structure_names.push_back(structure.parameter_names()[i]);
+    return found;
+  }
+  return std::nullopt;
+}
+
+std::vector<ParameterConstraint> detail::renamed(const std::vector<ParameterConstraint>& constraints,
+                                                 const std::vector<std::string>& names,
+                                                 const std::vector<std::string>& new_names) {
+  const auto place = [&](const std::string& name) { return std::find(names.begin(), names.end(), name); };
+  const auto new_name = [&](const std::string& name) {
+    return name.empty() ? name : new_names[static_cast<std::size_t>(place(name) - names.begin())];
+  };
+  std::vector<ParameterConstraint> result;
+  for (ParameterConstraint each : constraints) {
+    if (place(each.name) == names.end() || (!each.above.empty() && place(each.above) == names.end())) continue;
+    each.name = new_name(each.name);
+    each.above = new_name(each.above);
+    result.push_back(std::move(each));
+  }
+  return result;
+}
+
 NamedModel find_model(std::string_view name_or_formula) {
   if (const auto family = rational_family(name_or_formula)) return named_family(name_or_formula, *family);
   if (const auto family = term_family(name_or_formula)) return *family;
   for (const NamedModel& model : model_library()) {
-    // A preset written out is the preset, with its limits.
-    if (model.name == name_or_formula || model.formula == name_or_formula) return model;
+    if (model.name == name_or_formula) return model;
   }
+  refuse_letters_of_preset(name_or_formula);
   const Structure structure(name_or_formula);
+  if (const auto found = detail::recognised_preset(structure)) {
+    // The preset in the names of the formula: terms and parameters in its order, so that fits are the same.
+    NamedModel model = *found->preset;
+    model.formula = Structure(model.formula).renamed(found->structure_names).formula();
+    model.constraints = detail::renamed(model.constraints, found->preset_names, found->structure_names);
+    return model;
+  }
   return {structure.formula(),
           structure.formula(),
           structure.has_fractional_order() ? ModelClass::fractional : ModelClass::integer_order,

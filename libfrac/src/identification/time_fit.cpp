@@ -261,7 +261,8 @@ void append_held_offset(FitResult& result, const Structure& structure, const std
   result.covariance.emplace_back(structure.parameter_names().size() + 1, 0.0);
   result.parameters.push_back({offset_name, 0, 0, nan, nan, true, false, true, 0, 0, false});
   result.message += " The input does not change within the record, so that " + constant +
-                    " and the offset are one constant: the offset is held at 0 (another value with --offset).";
+                    " and the offset are one constant: the offset is held at 0, unless another value is given.";
+  result.parameters.back().lower_limit = result.parameters.back().upper_limit = 0;
 }
 
 // What a constant of the model is called that acts on every output as the offset does, under this input and wherever
@@ -346,18 +347,18 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   return {detail::fisher_f_above(std::clamp(statistic, 0.0, 1e12), many - few, degrees), 1 - after / before};
 }
 
-// Whether the residuals show a drift, or a start in motion.
-std::string background_remark(const detail::TimeResiduals& residuals, const std::vector<double>& theta,
-                              const detail::Confidence& found) {
-  if (residuals.cost(theta) <= residuals.rounding_cost() || theta.empty()) return {};
+// Says it where the residuals show a drift, or a start in motion.
+void remark_on_background(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
+                          const detail::Confidence& found) {
+  if (residuals.cost(theta) <= residuals.rounding_cost() || theta.empty()) return;
   std::vector<double> residual(residuals.count());
   Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(residual.size()), static_cast<Eigen::Index>(theta.size()));
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return {};
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return;
   const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
   Eigen::MatrixXd fitted(jacobian.rows(), jacobian.cols() + eliminated.cols());
   fitted << jacobian, eliminated;
   const Eigen::MatrixXd more = residuals.possible_background(theta);
-  if (more.cols() == 0) return {};
+  if (more.cols() == 0) return;
   const Eigen::VectorXd rest = Eigen::Map<const Eigen::VectorXd>(residual.data(), jacobian.rows());
   const Explained drift = explained(rest, fitted, more.leftCols(1));
   const Explained motion = explained(rest, fitted, more.rightCols(more.cols() - 1));
@@ -365,23 +366,27 @@ std::string background_remark(const detail::TimeResiduals& residuals, const std:
   const auto shown = [&](const Explained& each) { return each.p_value < least_chance && each.share > worth_saying; };
   char text[240];
   if (shown(drift) && (!shown(motion) || drift.share > 0.7 * motion.share)) {
-    std::snprintf(text, sizeof text,
-                  " A steady drift would explain %.0f %% of the cost (F test, p = %.1g): --trend estimates it.",
+    std::snprintf(text, sizeof text, " A steady drift would explain %.0f %% of the cost (F test, p = %.1g).",
                   100 * drift.share, drift.p_value);
-    return text;
+    result.message += text;
+    result.advice.push_back({Remedy::estimate_trend});
+    return;
   }
   if (!shown(motion)) {
     // Far from the truth neither column need explain much by itself.
     constexpr double smooth = 0.9;
-    if (!(found.noise.correlation() > smooth)) return {};
-    return " What is left is smooth, not noise: the model misses a shape, or the record drifts (--trend) or starts in "
-           "motion (--earlier-input).";
+    if (!(found.noise.correlation() > smooth)) return;
+    result.message +=
+        " What is left is smooth, not noise: the model misses a shape, or the record drifts or starts in motion.";
+    result.advice.push_back({Remedy::estimate_trend});
+  } else {
+    std::snprintf(text, sizeof text,
+                  " The record seems to start in motion: an input before it would explain %.0f %% of the cost (F test, "
+                  "p = %.1g).",
+                  100 * motion.share, motion.p_value);
+    result.message += text;
   }
-  std::snprintf(text, sizeof text,
-                " The record seems to start in motion: an input before it would explain %.0f %% of the cost (F test, "
-                "p = %.1g): --earlier-input estimates it.",
-                100 * motion.share, motion.p_value);
-  return text;
+  result.advice.push_back({Remedy::estimate_earlier_input});
 }
 
 std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
@@ -450,7 +455,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   append_background(result, residuals, best.theta, data, options, found);
   if (offset_is_held) append_held_offset(result, structure, *constant);
   if (options.loss == Loss::none && !options.trend && !options.earlier_input) {
-    result.message += background_remark(residuals, best.theta, found);
+    remark_on_background(result, residuals, best.theta, found);
   }
   refuse_unseen_response(result, residuals, local, found.rank, unit);
   for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {

@@ -12,11 +12,13 @@
 #include "io/input_text.hpp"
 #include "io/number.hpp"
 #include "output/fit_statistics.hpp"
+#include "output/parameter_output.hpp"
 
 namespace fracfit {
 namespace {
 
 constexpr const char* parameter_suffixes[] = {"", "_standard_error", "_ci95_lower", "_ci95_upper", "_state"};
+constexpr const char* limit_suffixes[] = {"_lower_limit", "_upper_limit"};
 
 std::vector<std::string> parameter_names(const BatchTask& task) {
   std::vector<std::string> names;
@@ -60,13 +62,15 @@ void set_fit(RowBuilder& row, const frac::FitResult& result, std::size_t left_ou
   row.set("bic", result.bic);
   row.set("outliers", left_out + result.outliers.size());
   row.set("left_out", left_out);
-  row.set("message", std::string_view(result.message));
+  row.set("message", std::string_view(with_advice(result.message, result.advice)));
   for (const auto& parameter : result.parameters) {
     row.set(parameter.name, parameter.value);
     row.set(parameter.name + "_standard_error", parameter.standard_error);
     row.set(parameter.name + "_ci95_lower", parameter.ci95_lower);
     row.set(parameter.name + "_ci95_upper", parameter.ci95_upper);
     row.set(parameter.name + "_state", std::string_view(state_of(parameter)));
+    row.set(parameter.name + "_lower_limit", parameter.lower_limit);
+    row.set(parameter.name + "_upper_limit", parameter.upper_limit);
   }
 }
 
@@ -137,6 +141,9 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   columns.emplace_back("message");
   columns.emplace_back("left_out");
   columns.emplace_back(fingerprint_column);
+  // Behind all others, whose places scripts count on.
+  for (const auto& name : parameter_names(task))
+    for (const char* suffix : limit_suffixes) columns.push_back(name + suffix);
   std::set<std::string> seen;
   for (const auto& column : columns)
     if (!seen.insert(column).second)

@@ -74,7 +74,8 @@ std::string remark_on_profiles(const frac::FitResult& result) {
 
 std::string parameter_table(const FitRun& run, const frac::FitResult& result) {
   if (result.parameters.empty()) return {};
-  return estimate_table("parameter", result.parameters, {result.model, run.value_unit}) + remark_on_profiles(result);
+  return estimate_table("parameter", result.parameters, {result.model, run.value_unit}) +
+         remark_on_limits(result.parameters) + remark_on_profiles(result);
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
@@ -137,8 +138,8 @@ std::string closing(const frac::FitResult& result) {
                      short_number(result.max_residual) + "\n";
   text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
   return text +
-         paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-                   short_number(result.seconds) + " s.") +
+         paragraph(std::string(frac::to_string(result.termination)) + ": " +
+                   with_advice(result.message, result.advice) + " " + short_number(result.seconds) + " s.") +
          remark_on_poles(result);
 }
 
@@ -166,7 +167,7 @@ void append_fit(Json& json, const FitRun& run, const frac::FitResult& result) {
   json["aicc"] = result.aicc;
   json["bic"] = result.bic;
   json["termination"] = frac::to_string(result.termination);
-  json["message"] = result.message;
+  json["message"] = with_advice(result.message, result.advice);
   json["residuals"] = result.residuals;
   json["free_parameters"] = result.free_parameters;
   json["starts"] = result.starts;
@@ -185,8 +186,9 @@ void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& deriv
   for (const double value : {derived.value, derived.standard_error, derived.ci95_lower, derived.ci95_upper})
     cells.emplace_back(value);
   for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
-  while (cells.size() + 1 < columns) cells.emplace_back(nan);
+  while (cells.size() + 3 < columns) cells.emplace_back(nan);
   cells.emplace_back(std::string{});
+  cells.insert(cells.end(), 2, nan);
 }
 
 Json stability_json(const frac::FitResult& result) {
@@ -382,7 +384,8 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(run, chosen.fit) + "\n" + remark_on_poles(chosen.fit);
-  return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
+  return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " +
+                          with_advice(result.verdict_sentence, result.advice));
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
@@ -402,7 +405,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
   if (!statistics.profile.empty()) columns.insert(columns.end(), {"profile_lower", "profile_upper"});
   if (!statistics.bootstrap.empty())
     columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
-  columns.emplace_back("unit");
+  columns.insert(columns.end(), {"unit", "lower_limit", "upper_limit"});
   const ParameterUnits units(result.model, run.value_unit);
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     if (i >= result.parameters.size()) {
@@ -423,6 +426,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
       for (const double value : {bootstrap.lower, bootstrap.upper, bootstrap.standard_error}) cells.emplace_back(value);
     }
     cells.emplace_back(units.of(parameter.name));
+    for (const double limit : {parameter.lower_limit, parameter.upper_limit}) cells.emplace_back(limit);
   };
   return text_of(document, "csv", run.command);
 }
@@ -483,7 +487,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["verdict"] = frac::to_string(result.verdict);
   json["evidence"] = result.evidence;
   json["departure_evidence"] = result.departure_evidence;
-  json["verdict_sentence"] = result.verdict_sentence;
+  json["verdict_sentence"] = with_advice(result.verdict_sentence, result.advice);
   json["log10_odds"] = result.log10_odds;
   json["fractional"] = finalist_json(result, result.fractional);
   json["integer"] = finalist_json(result, result.integer);

@@ -169,8 +169,8 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
                                                {"sharing_p_value", io::format_number(result.sharing_p_value)},
                                                {"termination", std::string(frac::to_string(result.termination))}})
     document.head.emplace_back(key, value);
-  document.rows.columns = {"curve",      "name",       "value",    "standard_error", "ci95_lower",
-                           "ci95_upper", "identified", "at_bound", "shared",         "unit"};
+  document.rows.columns = {"curve",      "name",     "value",  "standard_error", "ci95_lower",  "ci95_upper",
+                           "identified", "at_bound", "shared", "unit",           "lower_limit", "upper_limit"};
   const ParameterUnits units = units_of(run);
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& [curve, parameter] = rows[i];
@@ -180,6 +180,7 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
       cells.emplace_back(value);
     for (const bool flag : {parameter.identified, parameter.at_bound, curve.empty()}) cells.emplace_back(flag);
     cells.emplace_back(units.of(parameter.name));
+    for (const double limit : {parameter.lower_limit, parameter.upper_limit}) cells.emplace_back(limit);
   };
   return text_of(document, "csv", run.command);
 }

@@ -47,6 +47,34 @@ std::string estimate_table(const std::string& title, const std::vector<frac::Par
   return table.text();
 }
 
+std::string remark_on_limits(const std::vector<frac::ParameterEstimate>& estimates) {
+  std::string text;
+  for (const auto& each : estimates) {
+    const bool is_obvious = std::isinf(each.upper_limit) && (each.lower_limit == 0 || std::isinf(each.lower_limit));
+    if (each.fixed || !each.limits_given || is_obvious) continue;
+    text += (text.empty() ? "limits: " : ", ") + each.name + " " + short_number(each.lower_limit) + " .. " +
+            short_number(each.upper_limit);
+  }
+  return text.empty() ? text : text + "\n";
+}
+
+std::string with_advice(std::string message, const std::vector<frac::Advice>& advice) {
+  for (const frac::Advice& each : advice) {
+    switch (each.remedy) {
+      case frac::Remedy::give_limits:
+        message += " Others are given by --bound " + each.parameters.front() + "=LOW:HIGH.";
+        break;
+      case frac::Remedy::estimate_trend:
+        message += " --trend estimates a drift.";
+        break;
+      case frac::Remedy::estimate_earlier_input:
+        message += " --earlier-input estimates the input before the record.";
+        break;
+    }
+  }
+  return message;
+}
+
 Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units) {
   Json json{{"name", parameter.name},
             {"value", parameter.value},
@@ -56,7 +84,8 @@ Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUni
             {"widening", parameter.widening},
             {"identified", parameter.identified},
             {"at_bound", parameter.at_bound},
-            {"fixed", parameter.fixed}};
+            {"fixed", parameter.fixed},
+            {"limits", {parameter.lower_limit, parameter.upper_limit}}};
   Json& unit = json["unit"] = nullptr;
   if (const std::string found = units.of(parameter.name); !found.empty()) unit = found;
   return json;

@@ -48,11 +48,17 @@ class ParameterUnits {
   std::map<std::string, std::string> units_;
 };
 
+/// A message with what would help, in the words of the command line.
+[[nodiscard]] std::string with_advice(std::string message, const std::vector<frac::Advice>& advice);
+
 /// A row for each parameter, with its unit where one of them has any.
 /// @param title  of the column of their names
 [[nodiscard]] std::string estimate_table(const std::string& title,
                                          const std::vector<frac::ParameterEstimate>& estimates,
                                          const ParameterUnits& units);
+/// A line with the limits that someone has given, but for those of a coefficient that is positive or free of sign;
+/// empty where there are none.
+[[nodiscard]] std::string remark_on_limits(const std::vector<frac::ParameterEstimate>& estimates);
 [[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units);
 
 /// @param curve  that the priors are of; empty where they are of no single one

@@ -23,6 +23,17 @@ try:
 except ImportError as reason:
     raise ImportError(f"this installation of fracfit cannot fit: {reason}; it needs its part _fitting, with Ceres and NLopt") from reason
 
+# What would help, in the words of this module.
+_REMEDIES = {
+    "give-limits": "Others are given by bounds={{{0!r}: (lower, upper)}}.",
+    "estimate-trend": "trend=True estimates a drift.",
+    "estimate-earlier-input": "earlier_input=True estimates the input before the record.",
+}
+
+
+def _with_advice(sentence: str, advice: Sequence[tuple[str, list[str]]]) -> str:
+    return " ".join([sentence, *(_REMEDIES[remedy].format(*parameters) for remedy, parameters in advice)])
+
 
 class FitResult:
     """A structure fitted to data.
@@ -31,8 +42,8 @@ class FitResult:
 
     Attributes
     ----------
-    formula, message, termination : str
-        What was fitted and what became of the search.
+    formula, termination : str
+        What was fitted and whether the search converged.
     cost, rms, max_residual, aicc, bic : float
         Of the weighted residuals.
     residuals, free_parameters, starts, starts_at_best : int
@@ -105,6 +116,16 @@ class FitResult:
         return {p["name"]: (p["ci95_lower"], p["ci95_upper"]) for p in self._values["parameters"]}
 
     @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Limits of each parameter that were in force, given or by default; infinite where there is none."""
+        return {p["name"]: (p["lower_limit"], p["upper_limit"]) for p in self._values["parameters"]}
+
+    @property
+    def message(self) -> str:
+        """What became of the search, and what would help."""
+        return _with_advice(self._values["message"], self._values["advice"])
+
+    @property
     def identified(self) -> dict[str, bool]:
         """Whether the data tell the parameter."""
         return self._each("identified")
@@ -122,7 +143,7 @@ class FitResult:
 
     def summary(self) -> str:
         """A few lines for a person."""
-        return _fitting.summary(self._values)
+        return _with_advice(_fitting.summary(self._values), self._values["advice"])
 
     def predict(self, omega: Any = None) -> np.ndarray:
         """Fitted values: at frequencies (rad/s, any order), or of a record over time at its own instants."""
@@ -485,6 +506,8 @@ class Identification(_Record):
         Of that measurement: standard deviation of a weighted residual that it needs, and the evidence to expect.
     noise_floor : float
         Of weight ``"learned"``, which all candidates share: below it the noise is additive; 0 if there is none.
+    advice : list of tuple
+        Of the verdict: what would help, as the sentence says it, and the parameters concerned.
     skipped : list of str
     left_out : list of int
         Points that contradict their neighbours on both sides and were left out.
@@ -561,6 +584,8 @@ def identify(
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("notes"))
+    for each in ("verdict_sentence", "summary"):
+        found[each] = _with_advice(found[each], found["advice"])
     for each in found["ranking"]:
         each["fit"]["left_out"] = found["left_out"]
         each["fit"]["growth"] = None

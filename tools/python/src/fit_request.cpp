@@ -16,7 +16,7 @@ namespace {
 
 using Prior = std::tuple<double, double, bool>;
 using Constraint = std::tuple<std::string, std::optional<double>, std::optional<double>, std::optional<double>,
-                              std::optional<double>, std::optional<Prior>, std::string>;
+                              std::optional<double>, std::optional<Prior>, std::string, bool>;
 
 template <typename T>
 void take(T& value, const py::dict& given, const char* key) {
@@ -51,6 +51,9 @@ void visit_estimate(Estimate& p, const Visit& visit) {
   visit("centre_standard_error", p.centre_standard_error);
   visit("from_other_component", p.from_other_component);
   visit("widening", p.widening);
+  visit("lower_limit", p.lower_limit);
+  visit("upper_limit", p.upper_limit);
+  visit("limits_given", p.limits_given);
 }
 
 template <typename Result, typename Visit>
@@ -196,12 +199,20 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   return constraints;
 }
 
+py::list list_of(const std::vector<frac::Advice>& advice) {
+  py::list list;
+  for (const auto& each : advice)
+    list.append(py::cast(std::pair(std::string(frac::to_string(each.remedy)), each.parameters)));
+  return list;
+}
+
 py::list list_of(const std::vector<frac::ParameterConstraint>& constraints) {
   py::list list;
   for (const auto& each : constraints) {
     std::optional<Prior> prior;
     if (each.prior) prior = {each.prior->value, each.prior->deviation, each.prior->relative};
-    list.append(py::cast(Constraint(each.name, each.fixed, each.lower, each.upper, each.start, prior, each.above)));
+    list.append(py::cast(
+        Constraint(each.name, each.fixed, each.lower, each.upper, each.start, prior, each.above, each.positive)));
   }
   return list;
 }
@@ -209,8 +220,8 @@ py::list list_of(const std::vector<frac::ParameterConstraint>& constraints) {
 std::vector<frac::ParameterConstraint> constraints_from(const py::list& list) {
   std::vector<frac::ParameterConstraint> constraints;
   for (const auto& each : list) {
-    const auto [name, fixed, lower, upper, start, prior, above] = each.cast<Constraint>();
-    constraints.push_back({name, fixed, lower, upper, start, {}, above});
+    const auto [name, fixed, lower, upper, start, prior, above, positive] = each.cast<Constraint>();
+    constraints.push_back({name, fixed, lower, upper, start, {}, above, positive});
     if (prior) constraints.back().prior = {std::get<0>(*prior), std::get<1>(*prior), std::get<2>(*prior)};
   }
   return constraints;
@@ -235,6 +246,7 @@ py::dict dict_of(const frac::FitResult& result) {
     priors.append(entry);
   }
   dict["priors"] = priors;
+  dict["advice"] = list_of(result.advice);
   return dict;
 }
 
@@ -253,6 +265,10 @@ frac::FitResult fit_result_from(const py::dict& dict) {
     frac::PriorEstimate estimate{};
     visit_prior(estimate, reader(each.cast<py::dict>()));
     result.priors.push_back(std::move(estimate));
+  }
+  for (const auto& each : dict["advice"].cast<py::list>()) {
+    const auto [remedy, parameters] = each.cast<std::pair<std::string, std::vector<std::string>>>();
+    result.advice.push_back({frac::remedy_from_string(remedy), parameters});
   }
   return result;
 }

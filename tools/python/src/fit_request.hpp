@@ -26,11 +26,14 @@ namespace python {
 [[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);
 [[nodiscard]] frac::TimeResponseData record_of(const pybind11::dict& data);
 
-/// The constraints of a model with what "fixed", "bounds", "start", "prior" and "constraint" of the options add to them.
+/// The constraints of a model with what "fixed", "bounds", "start", "prior" and "constraint" of the options add to
+/// them.
 [[nodiscard]] std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model,
                                                                     const pybind11::dict& given);
 /// As a list of tuples (name, fixed, lower, upper, start, prior, above), and back.
 [[nodiscard]] pybind11::list list_of(const std::vector<frac::ParameterConstraint>& constraints);
+/// (remedy, names of parameters) each.
+[[nodiscard]] pybind11::list list_of(const std::vector<frac::Advice>& advice);
 [[nodiscard]] std::vector<frac::ParameterConstraint> constraints_from(const pybind11::list& list);
 
 /// A result as a dict of plain values, and back.

@@ -39,6 +39,7 @@ py::dict dict_of(const frac::IdentificationResult& result) {
   dict["chosen"] = result.chosen;
   dict["verdict"] = std::string(frac::to_string(result.verdict));
   dict["verdict_sentence"] = result.verdict_sentence;
+  dict["advice"] = list_of(result.advice);
   dict["evidence"] = result.evidence;
   dict["log10_odds"] = result.log10_odds;
   dict["model_error"] = result.model_error;

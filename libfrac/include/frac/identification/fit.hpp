@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,9 +59,10 @@ struct ParameterPrior {
   [[nodiscard]] double slope(double parameter) const;
 };
 
-/// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that stands in
-/// a sum is positive (fitted as its logarithm) unless a lower limit <= 0 is given, an outer gain has any sign (but in a
-/// fit of magnitudes), an order lies in [0, 4], or [-4, 4] when it stands in no sum, a delay in [0, 2 pi/lowest omega].
+/// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that
+/// Structure::parameter_keeps_sign() names is positive (fitted as its logarithm) unless a lower limit is given, any
+/// other, a gain, has either sign (but the outer one in a fit of magnitudes), an order lies in [0, 4], or [-4, 4] when
+/// it stands in no sum, a delay in [0, 2 pi/lowest omega].  ParameterEstimate tells the limits that were in force.
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;
@@ -70,6 +72,8 @@ struct ParameterConstraint {
   std::optional<ParameterPrior> prior = {};
   /// Another parameter of the same role and sign that it is not below; none where empty.
   std::string above = {};
+  /// A gain that is positive too, fitted as its logarithm, unless a lower limit is given.
+  bool positive = false;
 };
 
 struct FitOptions {
@@ -116,6 +120,25 @@ struct ParameterEstimate {
   /// Factor that the correlation of neighbouring residuals has put on the standard error and the interval: about 1 for
   /// noise without, sqrt((1 + r)/(1 - r)) for a parameter that many points tell and noise of correlation r.
   double widening = 1;
+  /// That were in force, given or by default; -infinity, infinity: none.  A positive coefficient has 0 and infinity.
+  double lower_limit = -std::numeric_limits<double>::infinity();
+  double upper_limit = std::numeric_limits<double>::infinity();
+  bool limits_given = false;  // by a constraint, not by default
+};
+
+/// What would help against something that a message says.
+enum class Remedy {
+  give_limits,            // for parameters that ended at a limit nobody has given
+  estimate_trend,         // TimeFitOptions::trend
+  estimate_earlier_input  // TimeFitOptions::earlier_input
+};
+[[nodiscard]] std::string_view to_string(Remedy remedy);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] Remedy remedy_from_string(std::string_view text);
+/// As a value, which each front end says in the words of its own options.
+struct Advice {
+  Remedy remedy;
+  std::vector<std::string> parameters = {};  // concerned, of give_limits
 };
 
 /// What became of a prior in a fit.
@@ -190,6 +213,7 @@ struct FitResult {
   /// Parameters that the residuals tell: all free ones but for the shares that priors tell.
   double effective_parameters = 0;
   std::vector<PriorEstimate> priors = {};  // in the order of the parameters
+  std::vector<Advice> advice = {};         // what would help against what the message says
 };
 
 /// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts,

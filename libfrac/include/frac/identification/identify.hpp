@@ -119,6 +119,7 @@ struct IdentificationResult {
   /// least 0.1 from every whole number.
   double departure_evidence;
   std::string verdict_sentence;
+  std::vector<Advice> advice = {};              // what would help against what the sentence says
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
   /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give
   /// evidence/(2 ln 10), and departure evidence takes its place where the fractional finalist has whole orders or

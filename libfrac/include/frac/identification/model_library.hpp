@@ -62,13 +62,17 @@ struct NamedModel {
 /// The same for samples over time, where of the families only rational models are grown.
 [[nodiscard]] std::vector<NamedModel> default_candidates_over_time();
 
-/// The preset of that name, a rational family, or the text taken as a formula (class by its orders, name = formula).
+/// The preset of that name, a rational family, or the text taken as a formula.  A formula that is a preset's structure
+/// (Structure::correspondence) is that preset, with its limits, name and class, and its formula in the names of the
+/// text; any other has its own text for a name, its class by its orders, and no limits but the defaults of
+/// ParameterConstraint.
+///
 /// Rational families are written "rational" (0 to 12 poles), "rational:4" (poles), "rational:3/4" (zeros/poles) or
 /// "rational:1..8" (poles), each with "+delay" behind it for a dead time; likewise "commensurate" (1 to 6 poles in
 /// s^a). "terms" is the family of sums of terms, "terms:4" that of up to 4.
 /// @throws FormulaError
-/// @throws std::invalid_argument  a rational family with more than 12 poles, more than one zero more than poles, or an
-///     empty range.
+/// @throws std::invalid_argument  a preset's name in other letters (Lag, power_law); a rational family with more than
+///     12 poles, more than one zero more than poles, or an empty range.
 [[nodiscard]] NamedModel find_model(std::string_view name_or_formula);
 
 /// The model with the formula that suits the data: for a family the best member, where the order is open by BIC and a

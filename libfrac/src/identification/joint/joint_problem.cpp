@@ -63,7 +63,8 @@ JointLayout::JointLayout(const Structure& structure, const JointFitOptions& opti
     const bool in_common = is_shared[each.parameter];
     std::vector<JointVariable>& list = in_common ? shared : own;
     free.push_back({each.parameter, in_common, list.size(), no_place, 0});
-    JointVariable variable{names[each.parameter], each.logarithmic, each.lower, each.upper, false};
+    JointVariable variable{
+        names[each.parameter], each.logarithmic, each.lower, each.upper, false, each.least, each.most};
     if (each.logarithmic && !each.bounded_by_user) {
       variable.lower = -widest_logarithm;
       variable.upper = widest_logarithm;

@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ struct JointVariable {
   bool logarithmic;
   double lower, upper;    // of the variable
   bool in_order = false;  // above another one
+  // Limits of the parameter; infinite where there are none.
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] double parameter(double variable) const;
   [[nodiscard]] double variable(double parameter) const;   // within the limits

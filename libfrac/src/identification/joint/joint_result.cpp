@@ -31,6 +31,8 @@ ParameterEstimate estimate_of(const JointVariable& variable, double value, doubl
   const double widest = std::max(estimate.value - estimate.ci95_lower, estimate.ci95_upper - estimate.value);
   estimate.identified = widest <= 0.5 * std::abs(estimate.value);  // false where there is no interval
   estimate.widening = widening;
+  estimate.lower_limit = variable.least;
+  estimate.upper_limit = variable.most;
   return estimate;
 }
 
@@ -55,7 +57,7 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
   for (std::size_t i = 0; i < count; ++i) {
     ParameterEstimate& fixed = result.parameters[i];
     fixed.name = structure.parameter_names()[i];
-    fixed.value = fixed.centre_value = layout.fixed[i];
+    fixed.value = fixed.centre_value = fixed.lower_limit = fixed.upper_limit = layout.fixed[i];
     fixed.ci95_lower = fixed.ci95_upper = nan;
     fixed.fixed = fixed.identified = true;
   }

@@ -226,6 +226,8 @@ std::vector<JointVariable> variables_of(const Laws& laws, const std::vector<Para
       throw std::invalid_argument("parameter '" + name + "' is of a law, and stands in no order of parameters");
     variables.push_back({name, false, any && known->lower ? std::max(*known->lower, -widest) : -widest,
                          any && known->upper ? std::min(*known->upper, widest) : widest});
+    if (any && known->lower) variables.back().least = *known->lower;
+    if (any && known->upper) variables.back().most = *known->upper;
   }
   starts = values.of_laws.empty()
                ? laws.starts(values.parameters, values.lead_laws, told_starts(laws, constraints)).front()

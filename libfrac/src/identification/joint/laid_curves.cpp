@@ -294,6 +294,7 @@ void keep_shifts_positive(std::vector<ParameterConstraint>& constraints, const C
     if (name == vertical_shift && !shift.vertical) continue;
     ParameterConstraint& each = constraint_of(constraints, name);
     constexpr double largest = 1e150;
+    each.positive = true;
     if (!each.fixed && !each.upper) each.upper = largest;
   }
 }

@@ -109,7 +109,15 @@ void tighten(std::vector<ParameterConstraint>& of, const Structure& structure, c
   }
 }
 
-/// One constraint for each parameter; those that the caller does not constrain have no name.
+/// Whether a coefficient is positive unless a lower limit is given.
+bool is_positive(const Structure& structure, std::size_t i, const ParameterConstraint& constraint, bool blind_to_sign) {
+  if (structure.parameter_roles()[i] != ParameterRole::coefficient) return false;
+  return constraint.positive || structure.parameter_keeps_sign()[i] ||
+         (blind_to_sign && !structure.parameter_in_sum()[i]);
+}
+
+/// One constraint for each parameter, which says by `positive` what holds without a lower limit; those that the caller
+/// does not constrain have no name.
 std::vector<ParameterConstraint> by_parameter(const Structure& structure,
                                               const std::vector<ParameterConstraint>& constraints, bool blind_to_sign) {
   std::vector<ParameterConstraint> of(structure.parameter_names().size());
@@ -117,12 +125,15 @@ std::vector<ParameterConstraint> by_parameter(const Structure& structure,
     const std::size_t i = structure.parameter_index(constraint.name);
     if (!of[i].name.empty()) reject(constraint.name, "is constrained twice");
     const ParameterRole role = structure.parameter_roles()[i];
-    const bool is_coefficient = role == ParameterRole::coefficient, in_sum = structure.parameter_in_sum()[i];
-    check(constraint, role, is_coefficient && (blind_to_sign || in_sum));
     of[i] = constraint;
+    of[i].positive = is_positive(structure, i, constraint, blind_to_sign);
+    check(constraint, role, of[i].positive);
     // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
-    if (blind_to_sign && is_coefficient && !in_sum && constraint.lower == -infinity) of[i].lower.reset();
+    if (of[i].positive && !structure.parameter_in_sum()[i] && blind_to_sign && constraint.lower == -infinity)
+      of[i].lower.reset();
   }
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (of[i].name.empty()) of[i].positive = is_positive(structure, i, of[i], blind_to_sign);
   return of;
 }
 
@@ -178,7 +189,7 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
   for (std::size_t i = 0; i < count; ++i) {
     if (is_fixed(i)) continue;
     entry_of[i] = free_.size();
-    add_entry(structure, i, of[i], orders, dimensions, blind_to_sign);
+    add_entry(i, structure.parameter_roles()[i], of[i], orders, dimensions);
   }
   measure_from_lesser_ones(structure, lesser, entry_of);
   sequence_ = in_sequence(free_);
@@ -217,9 +228,8 @@ void ParameterMap::tighten_orders(const std::vector<std::size_t>& lesser, OrderL
   }
 }
 
-void ParameterMap::add_entry(const Structure& structure, std::size_t parameter, const ParameterConstraint& constraint,
-                             const OrderLimits& orders, const Dimensions& dimensions, bool blind_to_sign) {
-  const ParameterRole role = structure.parameter_roles()[parameter];
+void ParameterMap::add_entry(std::size_t parameter, ParameterRole role, const ParameterConstraint& constraint,
+                             const OrderLimits& orders, const Dimensions& dimensions) {
   Free entry{parameter, role, false, false, constraint.lower || constraint.upper, 0, 0, 0, 0, -infinity, infinity};
   slope_.emplace_back(order_parameters_.size(), 0.0);
   intercept_.push_back(0);
@@ -237,22 +247,20 @@ void ParameterMap::add_entry(const Structure& structure, std::size_t parameter, 
       entry.most = entry.upper / scale_.omega;
       break;
     case ParameterRole::coefficient:
-      limit_coefficient(constraint, blind_to_sign || structure.parameter_in_sum()[parameter], orders.middle, dimensions,
-                        entry);
+      limit_coefficient(constraint, orders.middle, dimensions, entry);
       break;
   }
   free_.push_back(entry);
 }
 
-void ParameterMap::limit_coefficient(const ParameterConstraint& constraint, bool is_positive,
-                                     const std::vector<double>& orders, const Dimensions& dimensions, Free& entry) {
+void ParameterMap::limit_coefficient(const ParameterConstraint& constraint, const std::vector<double>& orders,
+                                     const Dimensions& dimensions, Free& entry) {
   const ParameterDimension& dimension = dimensions.at_middle[entry.parameter];
   std::vector<double>& slope = slope_.back();
   double& intercept = intercept_.back();
   entry.value_exponent = dimension.value_exponent;
   entry.frequency_exponent = intercept = dimension.frequency_exponent;
-  const bool positive = is_positive || (constraint.upper && *constraint.upper > 0);
-  const double lower = constraint.lower.value_or(positive ? 0.0 : -infinity);
+  const double lower = constraint.lower.value_or(constraint.positive ? 0.0 : -infinity);
   const double upper = constraint.upper.value_or(infinity);
   entry.logarithmic = lower >= 0 && (!constraint.lower || lower > 0);
   entry.either_sign = lower < 0;

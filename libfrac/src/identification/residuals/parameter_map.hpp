@@ -94,9 +94,9 @@ class ParameterMap {
                                              const std::vector<ParameterConstraint>& of) const;
   [[nodiscard]] Dimensions dimensions_of(const Structure& structure, const std::vector<double>& orders) const;
   void tighten_orders(const std::vector<std::size_t>& lesser, OrderLimits& orders) const;
-  void add_entry(const Structure& structure, std::size_t parameter, const ParameterConstraint& constraint,
-                 const OrderLimits& orders, const Dimensions& dimensions, bool blind_to_sign);
-  void limit_coefficient(const ParameterConstraint& constraint, bool is_positive, const std::vector<double>& orders,
+  void add_entry(std::size_t parameter, ParameterRole role, const ParameterConstraint& constraint,
+                 const OrderLimits& orders, const Dimensions& dimensions);
+  void limit_coefficient(const ParameterConstraint& constraint, const std::vector<double>& orders,
                          const Dimensions& dimensions, Free& entry);
   /// Entries that are above another get their limits from that one.
   void measure_from_lesser_ones(const Structure& structure, const std::vector<std::size_t>& lesser,

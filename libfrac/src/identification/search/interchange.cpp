@@ -2,13 +2,13 @@
 #include "interchange.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <complex>
 #include <optional>
 #include <string>
 #include <tuple>
 
+#include "formula/canonical_form.hpp"
 #include "formula/dimension_analysis.hpp"
 #include "formula/expression.hpp"
 
@@ -71,19 +71,6 @@ bool leaves_the_model(const Structure& structure, const Pairs& pairs) {
     if (!(std::abs(a - b) <= 1e-12 * std::abs(a))) return false;
   }
   return true;
-}
-
-/// Names by their letters, then by their numbers: R2 before R10.
-bool named_before(const std::string& a, const std::string& b) {
-  const auto split = [](const std::string& name) {
-    std::size_t end = name.size();
-    while (end > 0 && std::isdigit(static_cast<unsigned char>(name[end - 1]))) --end;
-    return std::pair(name.substr(0, end), name.substr(end));
-  };
-  const auto [letters_a, digits_a] = split(a);
-  const auto [letters_b, digits_b] = split(b);
-  if (letters_a != letters_b) return letters_a < letters_b;
-  return digits_a.size() != digits_b.size() ? digits_a.size() < digits_b.size() : digits_a < digits_b;
 }
 
 ParameterConstraint of_parameter(std::span<const ParameterConstraint> constraints, const std::string& name) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/counted.hpp"
+#include "base/short_text.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
 #include "information.hpp"
@@ -43,33 +44,47 @@ std::string remark_on_orders(const FitResult& result, std::span<const ParameterC
          " is in force: the data want it the other way round, and intervals take the two as equal.";
 }
 
+/// The constraint of a parameter; empty where there is none.
+const ParameterConstraint* constraint_on(const std::string& name, std::span<const ParameterConstraint> constraints) {
+  const auto found = std::find_if(constraints.begin(), constraints.end(),
+                                  [&](const ParameterConstraint& each) { return each.name == name; });
+  return found == constraints.end() ? nullptr : &*found;
+}
+
+/// Whether an entry that ended at a bound did so at a limit that nobody has given, and that other data may pass.
+bool ended_at_default(const ParameterMap::Free& entry, double theta, const ParameterConstraint* given) {
+  const bool at_lower = theta - entry.lower < entry.upper - theta;
+  if (!std::isfinite(at_lower ? entry.least : entry.most)) return false;
+  if (given == nullptr) return true;
+  return given->above.empty() && !given->positive && !(at_lower ? given->lower : given->upper).has_value();
+}
+
 /// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
-std::string remarks_on_limits(const FitResult& result, const Structure& structure,
-                              std::span<const ParameterConstraint> constraints, bool degrees_left) {
-  std::vector<std::string> at_bound;
-  bool held_positive = false;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    if (!result.parameters[i].at_bound) continue;
-    const std::string& name = result.parameters[i].name;
-    at_bound.push_back(name);
-    const bool limited = std::any_of(constraints.begin(), constraints.end(), [&](const ParameterConstraint& each) {
-      return each.name == name && each.lower.has_value();
-    });
-    held_positive = held_positive || (structure.parameter_roles()[i] == ParameterRole::coefficient &&
-                                      structure.parameter_in_sum()[i] && !limited);
+void remark_on_limits(FitResult& result, const ParameterMap& map, std::span<const double> theta,
+                      std::span<const ParameterConstraint> constraints, bool degrees_left) {
+  std::vector<std::string> at_bound, ranges;
+  Advice advice{Remedy::give_limits};
+  for (std::size_t k = 0; k < map.free().size(); ++k) {
+    const ParameterMap::Free& entry = map.free()[k];
+    const ParameterEstimate& estimate = result.parameters[entry.parameter];
+    if (!estimate.at_bound) continue;
+    at_bound.push_back(estimate.name);
+    if (!ended_at_default(entry, theta[k], constraint_on(estimate.name, constraints))) continue;
+    advice.parameters.push_back(estimate.name);
+    const bool is_coefficient = entry.role == ParameterRole::coefficient;
+    ranges.push_back(estimate.name + (is_coefficient ? " is taken as positive"
+                                                     : " is taken from " + four_digits(estimate.lower_limit) + " to " +
+                                                           four_digits(estimate.upper_limit)));
   }
-  std::string text;
-  if (!at_bound.empty()) {
-    text += " At a bound: " + listed(at_bound) + ".";
-    text += remark_on_orders(result, constraints);
-    if (held_positive) {
-      text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
-    }
+  if (!at_bound.empty())
+    result.message += " At a bound: " + listed(at_bound) + "." + remark_on_orders(result, constraints);
+  if (!ranges.empty()) {
+    result.message += " Unless other limits are given, " + listed(ranges) + ".";
+    result.advice.push_back(std::move(advice));
   }
   if (!degrees_left) {
-    text += " The residuals are no more than the parameters, so there are no intervals.";
+    result.message += " The residuals are no more than the parameters, so there are no intervals.";
   }
-  return text;
 }
 
 /// What the correlation of neighbouring residuals has done to the intervals, where there is any to speak of.
@@ -179,10 +194,17 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
     estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
     estimate.at_bound = found.at_bound[i];
     estimate.identified = found.identified[i] && !found.at_bound[i];
+    if (estimate.fixed) estimate.lower_limit = estimate.upper_limit = values[i];
     result.parameters.push_back(std::move(estimate));
   }
   for (std::size_t k = 0; k < map.free().size(); ++k) {
-    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
+    const ParameterMap::Free& entry = map.free()[k];
+    ParameterEstimate& estimate = result.parameters[entry.parameter];
+    estimate.centre_value = map.centre_value(k, values);
+    estimate.lower_limit = entry.least;
+    estimate.upper_limit = entry.most;
+    const ParameterConstraint* const given = constraint_on(estimate.name, constraints);
+    estimate.limits_given = given != nullptr && (given->lower || given->upper || given->positive);
   }
   result.covariance = found.covariance;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -201,8 +223,7 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
     result.message += text;
   }
   result.message += remark_on_correlation(result, found, residuals.cost(theta), residuals.rounding_cost());
-  result.message +=
-      remarks_on_limits(result, structure, constraints, residuals.count() > map.free().size() + residuals.eliminated());
+  remark_on_limits(result, map, theta, constraints, residuals.count() > map.free().size() + residuals.eliminated());
 }
 
 void describe_residuals(FitResult& result, const Residuals& residuals, const LocalOptions& options,

@@ -7,7 +7,7 @@ COMMENT
  * C99, no heap, no mathematical library.  All state is in one struct.
  */
 #if defined(GUARD) && !defined(GUARD_CONTENT)
-#error "another controller with the name 'NAME' is already included; use --name"
+#error "another controller with the name 'NAME' is already included; export one under another name"
 #endif
 #ifndef GUARD
 #define GUARD
@@ -16,7 +16,7 @@ COMMENT
 #if IS_DOUBLE
 #include <float.h>
 #if DBL_MANT_DIG != 53
-#error "the double of this compiler has no 53 bits; export with --precision float"
+#error "the double of this compiler has no 53 bits; export in single precision"
 #endif
 
 #endif
