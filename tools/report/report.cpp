@@ -95,6 +95,7 @@ std::vector<Section> scene_sections(const Work& work, Stages& stages) {
   const Curves curves = stages.run("describing functions", [&] { return compute_curves(work); });
   sections.push_back(curves_section(work, curves));
   if (work.scene.clearance > 0) {
+    sections.push_back(loss_factor_section(work, curves));
     const Bands bands = stages.run("smooth bands", [&] { return smooth_bands(work, curves); });
     sections.push_back(stages.run("fits", [&] { return fit_section(work, bands); }));
     sections.push_back(stages.run("local slope", [&] { return slope_section(work, bands); }));
@@ -217,7 +218,8 @@ std::string scene_text(const io::Metadata& scene) {
 }
 
 // All that a file holds: one record over time, or one or several frequency responses.
-void read_data(const std::filesystem::path& path, const io::MeasurementOptions& how, std::vector<Data>& data) {
+void read_data(const std::filesystem::path& path, const ReportOptions& asked, std::vector<Data>& data) {
+  const io::MeasurementOptions& how = asked.how;
   const std::string file = path.string();
   const std::string name = path.filename().string();
   if (io::holds_time_response(file, how)) {
@@ -229,6 +231,7 @@ void read_data(const std::filesystem::path& path, const io::MeasurementOptions& 
   const io::Measurement measurement = io::read_measurement(file, how);
   io::FrequencyResponseReadOptions options;
   options.how = how;
+  options.quantity = quantity_of(asked.field);
   const std::size_t before = data.size();
   for (const auto& scene : io::scenes_in(measurement)) {
     options.rows = scene;
@@ -292,7 +295,7 @@ ReportOutcome write_report(const ReportOptions& options) {
   work.progress = options.progress;
   // Every file is read before the long work, so that a bad one is found at once.
   std::vector<Data> data;
-  for (const auto& file : options.data) read_data(file, options.how, data);
+  for (const auto& file : options.data) read_data(file, options, data);
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   std::vector<Section> sections;
