@@ -165,6 +165,7 @@ TEST(FieldOf, IsToldByNamesThenByUnits) {
                                                    {"omega,re_kPa,im_kPa", Field::shear_modulus},
                                                    {"f (Hz),eps',eps''", Field::permittivity},
                                                    {"omega_rad_s,re_m_per_n,im_m_per_n", Field::transfer_function},
+                                                   {"# quantity: minus-inverse\nomega,re,im", Field::minus_inverse},
                                                    {"omega_rad_s,re,im", Field::transfer_function}};
   for (const auto& [header, field] : headers) {
     EXPECT_EQ(to_string(field_of(read_text(std::string(header) + "\n1,2,3\n2,3,4\n"))), to_string(field)) << header;

@@ -159,17 +159,4 @@ TEST(SweepCurves, NeverJoinAcrossAJumpOrToALongTimeMean) {
   EXPECT_EQ(lengths[Mark::faint_points], (std::vector<std::size_t>{1}));
 }
 
-TEST(NegativeInverse, CarriesTheUncertaintyAndHasNoValueWhereNothingMoves) {
-  backlash::DescribingFunctionPoint p = point(2, backlash::Regime::symmetric, 1, 2);
-  p.value = {-0.5, 0};
-  p.uncertainty = 1e-3;
-  const auto inverse = negative_inverse(p);
-  ASSERT_TRUE(inverse);
-  EXPECT_DOUBLE_EQ(inverse->value.real(), 2);
-  // d(1/N) = dN/N^2.
-  EXPECT_DOUBLE_EQ(inverse->uncertainty, 4e-3);
-  p.value = 0;
-  EXPECT_FALSE(negative_inverse(p));
-}
-
 }  // namespace

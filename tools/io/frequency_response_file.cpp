@@ -14,6 +14,7 @@
 #include "io/fields.hpp"
 #include "io/number.hpp"
 #include "io/response_rows.hpp"
+#include "io/unit_name.hpp"
 
 namespace io {
 namespace {
@@ -68,11 +69,18 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   Points points;
   points.omega.reserve(table.row_estimate());
   points.value.reserve(table.row_estimate());
-  std::size_t rows = 0, at_rest = 0;
+  std::size_t rows = 0, at_rest = 0, without_inverse = 0;
+  // simulate and map write nan for -1/N where N is 0.
+  const bool may_miss = find_value(table.metadata(), quantity_key) == to_string(backlash::Quantity::minus_inverse);
   table.for_each_row([&](const TextTable::Row& row) {
     if (!selection(row)) return;
     ++rows;
     if (!row_filter(row)) return;
+    if (may_miss && reader.has_no_value(row)) {
+      ++without_inverse;
+      --rows;
+      return;
+    }
     if (!reader.read(row, points)) {
       ++at_rest;
       --rows;
@@ -88,6 +96,9 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   });
   if (points.omega.empty()) fail_empty(table.file(), rows, options.where);
   note_points_at_rest(at_rest, notes);
+  if (without_inverse > 0)
+    notes.push_back(std::to_string(without_inverse) + (without_inverse == 1 ? " point" : " points") +
+                    " without -1/N left out, as N is 0 there");
   if (table.is_cut_off()) notes.emplace_back("the file ends within a row, which is left out");
   if (points.omega.size() < rows)
     notes.push_back(std::to_string(points.omega.size()) + " of " + std::to_string(rows) +
@@ -121,6 +132,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
           std::move(notes),
           measurement.fingerprint,
           planner.other_sign(plan),
+          backlash::Quantity::n,
           planner.meaning(plan.first).symbol};
 }
 
@@ -203,14 +215,7 @@ std::vector<std::string> column_labels(const TextTable& table) {
   return labels;
 }
 
-}  // namespace
-
-FrequencyResponseFile read_frequency_response(const std::string& file, const FrequencyResponseReadOptions& options) {
-  return read_frequency_response(read_measurement(file, options.how), options);
-}
-
-FrequencyResponseFile read_frequency_response(const Measurement& measurement,
-                                              const FrequencyResponseReadOptions& given) {
+FrequencyResponseFile read_as_stored(const Measurement& measurement, const FrequencyResponseReadOptions& given) {
   FrequencyResponseReadOptions options = given;
   if (!options.how.select.empty()) options.curve = selected(measurement, options.how.select);
   const Measurement::Sweep* sweep = &measurement.sweeps.front();
@@ -251,6 +256,54 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
   auto result = read_table(measurement, *sweep->table, options);
   if (!name.empty()) result.metadata.emplace_back("curve", name);
   return result;
+}
+
+backlash::Quantity stored_quantity(const FrequencyResponseFile& file, const std::string& name) {
+  const auto told = find_value(file.metadata, quantity_key);
+  if (!told) return written_unit(file.value_unit) == "N/m" ? backlash::Quantity::minus_inverse : backlash::Quantity::n;
+  try {
+    return backlash::quantity_from_string(*told);
+  } catch (const std::invalid_argument& error) {
+    throw DataError(name, 0, 0, "says in its header: " + std::string(error.what()));
+  }
+}
+
+}  // namespace
+
+FrequencyResponseFile read_frequency_response(const std::string& file, const FrequencyResponseReadOptions& options) {
+  return read_frequency_response(read_measurement(file, options.how), options);
+}
+
+FrequencyResponseFile read_frequency_response(const Measurement& measurement,
+                                              const FrequencyResponseReadOptions& options) {
+  FrequencyResponseFile file = read_as_stored(measurement, options);
+  file.quantity = stored_quantity(file, measurement.file);
+  if (!options.quantity || *options.quantity == file.quantity) return file;
+  return in_quantity(std::move(file), *options.quantity, measurement.file);
+}
+
+FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity, const std::string& name) {
+  if (file.quantity == quantity) return file;
+  const bool to_inverse = quantity == backlash::Quantity::minus_inverse;
+  const auto converted = [&] {
+    try {
+      return backlash::minus_inverse(file.data);
+    } catch (const std::invalid_argument& error) {
+      throw DataError(name, 0, 0, error.what());
+    }
+  }();
+  file.data = converted.data;
+  const std::string held = file.value_unit.empty() ? "" : ", which the file holds in " + written_unit(file.value_unit);
+  file.notes.push_back(to_inverse ? "values are -1/N of N" + held : "values are N, of -1/N" + held);
+  if (const std::size_t count = converted.left_out.size(); count > 0)
+    file.notes.push_back(std::to_string(count) + (count == 1 ? " point" : " points") + " at which " +
+                         (to_inverse ? "N" : "-1/N") + " is 0 left out, as " + (to_inverse ? "-1/N" : "N") +
+                         " is infinite there, the first at " + format_number(converted.left_out.front()) + " rad/s");
+  file.value_unit = inverse_unit(file.value_unit);
+  std::erase_if(file.metadata, [](const auto& entry) { return entry.first == quantity_key; });
+  file.metadata.emplace_back(quantity_key, backlash::to_string(quantity));
+  file.quantity = quantity;
+  return file;
 }
 
 std::vector<Metadata> scenes_in(const Measurement& measurement, const std::vector<PointFilter>& where) {

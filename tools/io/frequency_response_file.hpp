@@ -3,14 +3,19 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "backlash/minus_inverse.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "io/measurement.hpp"
 #include "io/point_filter.hpp"
 #include "io/text_table.hpp"
 
 namespace io {
+
+/// Entry of a header that tells which quantity the values are.
+constexpr std::string_view quantity_key = "quantity";
 
 struct FrequencyResponseReadOptions {
   /// Column that weighs the points: a name beginning with sigma, std, standard_deviation or uncertainty holds standard
@@ -27,6 +32,8 @@ struct FrequencyResponseReadOptions {
   std::string curve;
   /// Rows that repeat the frequencies of others are repeated measurements, not further sweeps.
   bool repeats_are_points = false;
+  /// N or -1/N, whichever of both the file holds; unset: as the file has it.  Conditions are on what the file holds.
+  std::optional<backlash::Quantity> quantity;
   /// What the caller tells of the file; its choice of a sweep is as good as `curve`.
   MeasurementOptions how = {};
 };
@@ -41,6 +48,8 @@ struct FrequencyResponseFile {
   std::string fingerprint;         // of the whole file, see input_text.hpp
   /// How the imaginary part is read with the other sign, as a clause for people; empty: it stands in no column.
   std::string other_sign = {};
+  /// -1/N where the header says so, or the unit is N/m; else N, or any other response.
+  backlash::Quantity quantity = backlash::Quantity::n;
   std::string symbol = {};  // what the names of the columns speak of, see ColumnMeaning; empty: they do not tell
 };
 
@@ -66,6 +75,11 @@ struct FrequencyResponseFile {
 /// The same of a file already recognised; `options.how` is then that of the measurement, but for its choice of a sweep.
 [[nodiscard]] FrequencyResponseFile read_frequency_response(const Measurement& measurement,
                                                             const FrequencyResponseReadOptions& options = {});
+
+/// The same file with the other quantity in it, with a note: values, sigma, unit and the entry of the header.
+/// @throws DataError  no point has one.
+[[nodiscard]] FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity,
+                                                const std::string& name);
 
 /// Labels of the curves in a file that holds several, in order of appearance: its sweeps; those of its columns; "Set=3"
 /// and so on where rows repeat the frequencies and a column tells the sweeps apart; or the values in the key column

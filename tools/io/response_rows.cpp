@@ -32,6 +32,11 @@ bool RowReader::read(const TextTable::Row& row, Points& points) const {
   return true;
 }
 
+bool RowReader::has_no_value(const TextTable::Row& row) const {
+  const auto is_nan = [&](std::size_t field) { return std::isnan(parse_number(row.fields[field]).value_or(0)); };
+  return is_nan(plan_.first) && is_nan(plan_.second);
+}
+
 void RowReader::fail(const TextTable::Row& row, std::size_t field, const std::string& expected) const {
   throw DataError(
       table_.file(), row.line, row.column_of(field),

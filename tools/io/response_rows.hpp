@@ -29,6 +29,8 @@ class RowReader {
 
   // False for a row at frequency 0.
   bool read(const TextTable::Row& row, Points& points) const;
+  // Both parts of the value are nan.
+  [[nodiscard]] bool has_no_value(const TextTable::Row& row) const;
 
  private:
   [[noreturn]] void fail(const TextTable::Row& row, std::size_t field, const std::string& expected) const;

@@ -15,4 +15,7 @@ struct NameAndUnit {
 /// A unit of values as people write it: "m/N" of "m_per_n", which is how names of columns spell it; others as they are.
 [[nodiscard]] std::string written_unit(const std::string& unit);
 
+/// Unit of 1/value: "n_per_m" of "m_per_n", "m/N" of "N/m", "1/ohm" of "ohm", "ohm" of "1/ohm"; empty for none.
+[[nodiscard]] std::string inverse_unit(const std::string& unit);
+
 }  // namespace io

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "backlash/minus_inverse.hpp"
 #include "backlash/static_backlash.hpp"
 #include "io/number.hpp"
 #include "report/html.hpp"
@@ -60,7 +61,7 @@ FamilyScenes over_restitutions(const Scene& scene) {
 }
 
 std::optional<PlotPoint> nichols_place(const DescribingFunctionPoint& point) {
-  const auto inverse = negative_inverse(point);
+  const auto inverse = backlash::minus_inverse(point);
   if (!inverse) return std::nullopt;
   const double level = decibel(inverse->value);
   return PlotPoint{phase_degrees(inverse->value), level, level, level};
@@ -72,7 +73,7 @@ PlotPoint with_bars(double x, double y, double uncertainty) {
 }
 
 std::optional<PlotPoint> part_place(const DescribingFunctionPoint& point, bool imaginary) {
-  const auto inverse = negative_inverse(point);
+  const auto inverse = backlash::minus_inverse(point);
   if (!inverse) return std::nullopt;
   const double value = imaginary ? inverse->value.imag() : inverse->value.real();
   // Leaves out a mean that is smaller than its uncertainty: it may be zero, which a logarithmic axis cannot show.
@@ -82,7 +83,7 @@ std::optional<PlotPoint> part_place(const DescribingFunctionPoint& point, bool i
 
 struct StaticCurve {
   std::vector<double> omega;
-  std::vector<std::complex<double>> negative_inverse;  // N/m
+  std::vector<std::complex<double>> minus_inverse;  // N/m
 };
 
 // Leaves out frequencies at which the backlash transmits no motion: N = 0 there, and -1/N is infinite.
@@ -99,9 +100,10 @@ StaticCurve static_curve(const Scene& scene, double force, std::vector<double> o
   const auto values = backlash::static_describing_function(scene.mass1, scene.mass2, scene.clearance, force, omega);
   StaticCurve curve;
   for (std::size_t i = 0; i < omega.size(); ++i) {
-    if (values[i] == 0.0) continue;
+    const auto inverse = backlash::minus_inverse(values[i], 0);
+    if (!inverse) continue;
     curve.omega.push_back(omega[i]);
-    curve.negative_inverse.push_back(-1.0 / values[i]);
+    curve.minus_inverse.push_back(inverse->value);
   }
   return curve;
 }
@@ -128,8 +130,8 @@ Figure static_nichols(const Scene& scene) {
   for (std::size_t i = 0; i < scene.forces.size(); ++i) {
     const StaticCurve curve = static_curve(scene, scene.forces[i], scene.omega_nichols);
     panel.curves.push_back(make_curve(number_label("F", scene.forces[i], "N"), family_colour(i, scene.forces.size()),
-                                      Mark::line, mapped(curve.negative_inverse, phase_degrees),
-                                      mapped(curve.negative_inverse, decibel)));
+                                      Mark::line, mapped(curve.minus_inverse, phase_degrees),
+                                      mapped(curve.minus_inverse, decibel)));
   }
   Figure figure;
   figure.name = "fig3-nichols-static";
@@ -177,15 +179,15 @@ Figure bode(const Scene& scene, const Family& family) {
          }));
   append(phase.curves, sweep_curves(sweep, "", category_colour(0),
                                     [](const DescribingFunctionPoint& point) -> std::optional<PlotPoint> {
-                                      const auto inverse = negative_inverse(point);
+                                      const auto inverse = backlash::minus_inverse(point);
                                       if (!inverse) return std::nullopt;
                                       const double degrees = phase_degrees(inverse->value);
                                       return PlotPoint{point.omega, degrees, degrees, degrees};
                                     }));
   magnitude.curves.push_back(make_curve("static backlash", category_colour(1), Mark::dashed, model.omega,
-                                        mapped(model.negative_inverse, decibel)));
+                                        mapped(model.minus_inverse, decibel)));
   phase.curves.push_back(
-      make_curve("", category_colour(1), Mark::dashed, model.omega, mapped(model.negative_inverse, phase_degrees)));
+      make_curve("", category_colour(1), Mark::dashed, model.omega, mapped(model.minus_inverse, phase_degrees)));
   std::vector<double> rigid;
   for (const double omega : scene.omega_bode) rigid.push_back(decibel((scene.mass1 + scene.mass2) * omega * omega));
   magnitude.curves.push_back(make_curve("rigid: (M_1+M_2)ω^2", "#777777", Mark::dotted, scene.omega_bode, rigid));

@@ -94,6 +94,10 @@ class Drawing {
       case Field::permittivity:
         figure.panels = {parts(), loss_factor(), distance()};
         break;
+      case Field::minus_inverse:
+        figure.panels = {parts(), distance()};
+        break;
+      case Field::n:
       case Field::automatic:
       case Field::transfer_function:
         figure.panels = {level(), phase(), distance()};
@@ -169,6 +173,9 @@ class Drawing {
       case Field::permittivity:
         return prose("data", "parts-figure",
                      {{"imaginary", notation_.imaginary}, {"real", notation_.real}, {"symbol", notation_.symbol}});
+      case Field::minus_inverse:
+        return prose("data", "stiffness-figure", {{"imaginary", notation_.imaginary}, {"real", notation_.real}});
+      case Field::n:
       case Field::automatic:
       case Field::transfer_function:
         break;

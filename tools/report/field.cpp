@@ -11,10 +11,12 @@ namespace report {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> names{
-    "auto", "impedance", "admittance", "shear-modulus", "tensile-modulus", "permittivity", "transfer-function"};
-constexpr std::array all{Field::automatic,       Field::impedance,    Field::admittance,       Field::shear_modulus,
-                         Field::tensile_modulus, Field::permittivity, Field::transfer_function};
+constexpr std::array<std::string_view, 9> names{
+    "auto",         "impedance",         "admittance", "shear-modulus", "tensile-modulus",
+    "permittivity", "transfer-function", "n",          "minus-inverse"};
+constexpr std::array all{Field::automatic,       Field::impedance,    Field::admittance,        Field::shear_modulus,
+                         Field::tensile_modulus, Field::permittivity, Field::transfer_function, Field::n,
+                         Field::minus_inverse};
 
 // A unit and its prefix apart; both empty where the unit is none of those known.
 struct Unit {
@@ -55,7 +57,15 @@ std::span<const Field> fields() {
   return all;
 }
 
+std::optional<backlash::Quantity> quantity_of(Field field) {
+  if (field == Field::n) return backlash::Quantity::n;
+  if (field == Field::minus_inverse) return backlash::Quantity::minus_inverse;
+  return std::nullopt;
+}
+
 Field field_of(const io::FrequencyResponseFile& file) {
+  if (io::find_value(file.metadata, io::quantity_key) == to_string(backlash::Quantity::minus_inverse))
+    return Field::minus_inverse;
   static constexpr std::pair<std::string_view, Field> symbols[] = {{"z", Field::impedance},
                                                                    {"y", Field::admittance},
                                                                    {"g", Field::shear_modulus},
@@ -86,6 +96,10 @@ Notation notation_of(Field field, const std::string& unit, frac::FrequencyUnit a
       return {"E", "E′", "E″", 1, shown, axis};
     case Field::permittivity:
       return {"ε", "ε′", "ε″", -1, shown, hertz};
+    case Field::n:
+      return {"N", "Re N", "Im N", 1, shown, axis};
+    case Field::minus_inverse:
+      return {"−1/N", "Re(−1/N)", "Im(−1/N)", 1, shown, axis};
     case Field::automatic:
     case Field::transfer_function:
       break;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "backlash/minus_inverse.hpp"
 #include "io/frequency_response_file.hpp"
 
 namespace report {
@@ -19,14 +21,20 @@ enum class Field {
   tensile_modulus,    // E' and E'', likewise
   permittivity,       // eps' and eps'' over Hz, likewise
   transfer_function,  // magnitude in dB and phase over the frequency as the file gives it
+  n,                  // a describing function N: magnitude and phase, likewise
+  minus_inverse,      // its -1/N: real and imaginary part, both axes logarithmic
 };
 
 /// Command-line spellings.
 [[nodiscard]] std::string_view to_string(Field field);
 [[nodiscard]] std::span<const Field> fields();
 
-/// The field of a file: that of its columns' names, else that of its unit, else a transfer function.
+/// The field of a file: -1/N where its header says so, else that of its columns' names, else that of its unit, else a
+/// transfer function.
 [[nodiscard]] Field field_of(const io::FrequencyResponseFile& file);
+
+/// N or -1/N, for the fields that are one of them.
+[[nodiscard]] std::optional<backlash::Quantity> quantity_of(Field field);
 
 /// How one field writes its quantities.
 struct Notation {

@@ -164,6 +164,7 @@ std::vector<Section> scene_sections(const Work& work, Stages& stages,
   };
   const bool is_paper = work.scene.of_the_paper;
   add(true, "curves", 0.01, [&](const Work& w) { return curves_section(w, curves); });
+  add(has_gap, "loss factor", 0.1, [&](const Work& w) { return loss_factor_section(w, curves); });
   add(has_gap, "fits", 3, [&](const Work& w) { return fit_section(w, bands); });
   add(has_gap, "local slope", 0.1, [&](const Work& w) { return slope_section(w, bands); });
   add(true, "jump laws", 4, [&](const Work& w) { return jump_section(w, curves); });
@@ -267,7 +268,8 @@ std::string scene_text(const io::Metadata& scene) {
 }
 
 // All that a file holds: one record over time, or one or several frequency responses.
-void read_data(const std::filesystem::path& path, const io::MeasurementOptions& how, std::vector<Data>& data) {
+void read_data(const std::filesystem::path& path, const ReportOptions& asked, std::vector<Data>& data) {
+  const io::MeasurementOptions& how = asked.how;
   const std::string file = path.string();
   const std::string name = path.filename().string();
   if (io::holds_time_response(file, how)) {
@@ -279,6 +281,7 @@ void read_data(const std::filesystem::path& path, const io::MeasurementOptions& 
   const io::Measurement measurement = io::read_measurement(file, how);
   io::FrequencyResponseReadOptions options;
   options.how = how;
+  options.quantity = quantity_of(asked.field);
   const std::size_t before = data.size();
   for (const auto& scene : io::scenes_in(measurement)) {
     options.rows = scene;
@@ -342,7 +345,7 @@ ReportOutcome write_report(const ReportOptions& options) {
   work.progress = options.progress;
   // Every file is read before the long work, so that a bad one is found at once.
   std::vector<Data> data;
-  for (const auto& file : options.data) read_data(file, options.how, data);
+  for (const auto& file : options.data) read_data(file, options, data);
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   const auto gnuplot = find_gnuplot();

@@ -47,6 +47,8 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section curves_section(const Work& work, const Curves& curves);
 [[nodiscard]] Section fit_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
+/// The law of -1/N: all curves as loss factor over dimensionless frequency.  Needs a clearance above 0.
+[[nodiscard]] Section loss_factor_section(const Work& work, const Curves& curves);
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 /// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);

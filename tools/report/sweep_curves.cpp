@@ -25,12 +25,6 @@ bool on_one_branch(const backlash::DescribingFunctionPoint& a, const backlash::D
   return a.period == b.period && a.impacts_per_period == b.impacts_per_period;
 }
 
-std::optional<InverseValue> negative_inverse(const backlash::DescribingFunctionPoint& point) {
-  const double magnitude = std::abs(point.value);
-  if (magnitude == 0) return std::nullopt;
-  return InverseValue{-1.0 / point.value, point.uncertainty / (magnitude * magnitude)};
-}
-
 double phase_degrees(std::complex<double> value) {
   return std::arg(value) * 180 / std::numbers::pi;
 }

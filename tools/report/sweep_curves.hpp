@@ -17,13 +17,6 @@ namespace report {
 [[nodiscard]] bool on_one_branch(const backlash::DescribingFunctionPoint& a,
                                  const backlash::DescribingFunctionPoint& b);
 
-/// -1/N in N/m with the uncertainty carried over; empty where N = 0 (no impacts: the unforced mass stands still).
-struct InverseValue {
-  std::complex<double> value;  // N/m
-  double uncertainty;          // of |value|, N/m
-};
-[[nodiscard]] std::optional<InverseValue> negative_inverse(const backlash::DescribingFunctionPoint& point);
-
 /// Phase in degrees, in (-180, 180].
 [[nodiscard]] double phase_degrees(std::complex<double> value);
 [[nodiscard]] double decibel(std::complex<double> value);

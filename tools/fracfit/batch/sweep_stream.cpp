@@ -16,16 +16,17 @@ namespace {
 
 using Points = std::vector<backlash::DescribingFunctionPoint>;
 
-PointCounts counts_of(const Points& points) {
+PointCounts counts_of(const Points& points, const SweepTable& table) {
   PointCounts counts;
-  for (const auto& point : points) counts.add(point);
+  counts.add(points, table.form.quantity);
   return counts;
 }
 
 // How the stream keeps the counts of a piece.
 std::string text_of(const PointCounts& counts) {
   return std::to_string(counts.not_finite) + "," + std::to_string(counts.transient_possible) + "," +
-         std::to_string(counts.decided_by_rounding);
+         std::to_string(counts.decided_by_rounding) + "," + std::to_string(counts.without_inverse) + "," +
+         std::to_string(counts.all);
 }
 
 PointCounts counts_from(const std::string& text) {
@@ -35,6 +36,8 @@ PointCounts counts_from(const std::string& text) {
   counts.not_finite = number(0);
   counts.transient_possible = number(1);
   counts.decided_by_rounding = number(2);
+  counts.without_inverse = number(3);
+  counts.all = number(4);
   return counts;
 }
 
@@ -50,7 +53,7 @@ PointCounts write_whole(const backlash::SweepPieces& pieces, const SweepTable& t
                  },
                  &progress);
   target.file.write(text_of(document_of(table, 0, width, all), target.format, target.command));
-  return counts_of(all);
+  return counts_of(all, table);
 }
 
 PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
@@ -67,7 +70,7 @@ PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& 
   pieces.compute([&](std::size_t number) { return stream.contains(std::to_string(number)); },
                  [&](std::size_t number, const Points& points) {
                    const backlash::SweepPiece piece = pieces.piece(number);
-                   const PointCounts now = counts_of(points);
+                   const PointCounts now = counts_of(points, table);
                    stream.append(std::to_string(number),
                                  csv_rows(document_of(table, piece.scene, piece.count, points).rows), text_of(now));
                    const std::lock_guard guard(counting);
@@ -90,16 +93,22 @@ PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& 
 
 }  // namespace
 
-void PointCounts::add(const backlash::DescribingFunctionPoint& point) {
-  not_finite += point.usable() ? 0U : 1U;
-  transient_possible += point.transient_possible ? 1U : 0U;
-  decided_by_rounding += std::isnan(point.force_sensitivity) ? 0U : 1U;
+void PointCounts::add(const std::vector<backlash::DescribingFunctionPoint>& points, backlash::Quantity quantity) {
+  for (const auto& point : points) {
+    not_finite += point.usable() ? 0U : 1U;
+    transient_possible += point.transient_possible ? 1U : 0U;
+    decided_by_rounding += std::isnan(point.force_sensitivity) ? 0U : 1U;
+    without_inverse += quantity == backlash::Quantity::minus_inverse && !backlash::minus_inverse(point) ? 1U : 0U;
+  }
+  all += points.size();
 }
 
 PointCounts& PointCounts::operator+=(const PointCounts& other) {
   not_finite += other.not_finite;
   transient_possible += other.transient_possible;
   decided_by_rounding += other.decided_by_rounding;
+  without_inverse += other.without_inverse;
+  all += other.all;
   return *this;
 }
 

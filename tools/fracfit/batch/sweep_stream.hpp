@@ -15,9 +15,11 @@ namespace fracfit {
 /// Numbers of points that a user is told about.
 struct PointCounts {
   std::size_t not_finite = 0, transient_possible = 0, decided_by_rounding = 0;
+  std::size_t without_inverse = 0;  // N = 0 where -1/N is written
+  std::size_t all = 0;
   std::size_t of_earlier_run = 0;  // that an interrupted run has left, which count above as well
 
-  void add(const backlash::DescribingFunctionPoint& point);
+  void add(const std::vector<backlash::DescribingFunctionPoint>& points, backlash::Quantity quantity);
   PointCounts& operator+=(const PointCounts& other);
 };
 

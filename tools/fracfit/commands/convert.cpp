@@ -34,6 +34,7 @@ class Convert : public Command {
         .names_input();
     add_file_options(o, how_);
     add_select(o, how_);
+    add_quantity(o, quantity_);
     add_common({"csv", "json", "table"});
     set_footer(
         "Formats, told by content: Gamry, BioLogic EC-Lab, ZView, VersaStudio, Parstat, CH Instruments, Touchstone,\n"
@@ -47,7 +48,7 @@ class Convert : public Command {
 
  private:
   int run() override {
-    const auto curves = read_curves(file_, how_);
+    const auto curves = read_curves(file_, how_, quantity_);
     for (const auto& note : notes_of(curves)) say(file_ + ": " + note);
     const io::FrequencyResponseFile& first = curves.front().file;
     const bool has_sigma =
@@ -77,6 +78,7 @@ class Convert : public Command {
 
   std::string file_;
   io::MeasurementOptions how_;
+  std::optional<backlash::Quantity> quantity_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "commands/subcommand.hpp"
+#include "frac/identification/component_power_law.hpp"
 #include "frac/structure.hpp"
 #include "io/output_file.hpp"
 #include "io/time_series_file.hpp"
@@ -17,6 +18,12 @@
 namespace fracfit {
 namespace {
 
+std::vector<std::string> names_of_models() {
+  auto names = preset_names();
+  names.emplace_back(frac::component_power_law_name);
+  return names;
+}
+
 struct Fitted {
   frac::FitResult result;
   std::optional<frac::Growth> growth;
@@ -28,7 +35,9 @@ class Fit : public Command {
     constexpr std::size_t fewest_samples = 20;
     Options& o = options();
     add_data(o, request_);
-    o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
+    o.text("--model", model_, "or a preset; letters other than s are parameters")
+        .suggest(names_of_models())
+        .or_argument();
     o.choice("--grow", grow_, frac::growth_families(),
              "Instead of --model a family, grown by a term at a time while the data pay for it", "FAMILY");
     o.exactly_one({"--model", "--grow"}, "the structure, or the family to grow it in");
@@ -59,9 +68,11 @@ class Fit : public Command {
         "with t (s), input or output (the input drives the model throughout), and none of --component, --realisation,\n"
         "--band, --poles, --sample-time and --memory.\n"
         "Presets:\n" +
-        preset_list() +
+        preset_list() + "  " + std::string(frac::component_power_law_name) +
+        "  K w^b, w the frequency: of the component fitted, by itself; no transfer function\n"
         "Examples:\n"
         "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
+        "  fracfit fit curve.csv --model component-power-law --component imaginary --quantity minus-inverse\n"
         "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
         "  fracfit fit cell.csv --model zarc --component both --derive 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'\n"
         "  fracfit fit cell.csv --model zarc --component both --prior R0=0.1+-5% --prior n1=0.9+-0.05\n"
@@ -81,7 +92,13 @@ class Fit : public Command {
                                     std::string(frac::to_string(*grow_)) +
                                     ", whose parameters differ from structure to structure");
     } else {
-      chosen_ = chosen_model(model_);
+      if (is_component_law()) try {
+          chosen_ = frac::component_power_law(request_.component);
+        } catch (const std::invalid_argument& error) {
+          throw std::invalid_argument("--" + std::string(error.what()));
+        }
+      else
+        chosen_ = chosen_model(model_);
       // Names and ranges of the parameters of a family are known with the data only.
       if (!chosen_.is_family()) {
         const frac::Structure parsed(chosen_.formula);
@@ -96,6 +113,12 @@ class Fit : public Command {
     if (statistics_.refits_file.empty()) return;
     if (statistics_.refits_file == "-") throw std::invalid_argument("--refits takes the name of a file");
     static_cast<void>(io::OutputFile(statistics_.refits_file, {request_.data}));
+  }
+
+  [[nodiscard]] bool is_component_law() const { return model_ == frac::component_power_law_name; }
+  /// What of the data is fitted.
+  [[nodiscard]] frac::FrequencyResponseData fitted_part(const frac::FrequencyResponseData& data) const {
+    return is_component_law() ? frac::component_alone(data, request_.component) : data;
   }
 
   [[nodiscard]] std::vector<frac::DerivedQuantity> quantities(const std::vector<std::string>& names) const {
@@ -158,6 +181,8 @@ class Fit : public Command {
     const auto note = [this](const std::string& text) { say(text); };
     if (io::holds_time_response(request_.data, request_.how)) {
       options().settle(samples_over_time);
+      if (is_component_law())
+        throw std::invalid_argument("--model " + model_ + " has no meaning with " + samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);
       return fit_and_write(record.data, fit, time_fit_run(request_, record, options(), command_line()));
@@ -168,16 +193,17 @@ class Fit : public Command {
     const auto file = read_data(request_, note);
     auto points = screened(request_, file.data, note);
     auto fit = wanted;
-    auto made = fitted(points.kept(), fit);
+    auto made = fitted(fitted_part(points.kept()), fit);
     if (const auto sentence = points.take_back_met(fit, made.result); !sentence.empty()) {
       say(sentence);
       fit = wanted;
-      made = fitted(points.kept(), fit);
+      made = fitted(fitted_part(points.kept()), fit);
     }
     auto about = fit_run(request_, options(), file, points.left_out(), command_line());
     if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
     if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
-    return write_fit(points.kept(), fit, made, about);
+    if (is_component_law()) about.law = frac::component_power_law_sentence(request_.component);
+    return write_fit(fitted_part(points.kept()), fit, made, about);
   }
 
   FitRequest request_;

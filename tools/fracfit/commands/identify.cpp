@@ -5,10 +5,12 @@
 #include <optional>
 #include <stdexcept>
 
+#include "backlash/minus_inverse.hpp"
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/parallel_for.hpp"
+#include "io/number.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
 #include "options/model_choice.hpp"
@@ -155,13 +157,23 @@ class Identify : public Command {
     check_folds(file.data.size());
     auto points = screened(request_, file.data, note);
     const bool static_backlash = complete_scene(file.metadata);
+    const bool inverse = file.quantity == backlash::Quantity::minus_inverse;
     if (static_backlash && io::find_value(file.metadata, "output") == "x2")
       say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
+    std::optional<double> obstacle;  // frequency at which the static curve has no -1/N
     const auto ranked = [&] {
       std::vector<frac::FixedCurve> curves;
+      obstacle.reset();
       if (static_backlash) {
-        curves.push_back({"static-backlash", backlash::static_describing_function(*mass1_, *mass2_, *clearance_,
-                                                                                  *force_, points.kept().omega())});
+        const auto& omega = points.kept().omega();
+        auto n = backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, omega);
+        for (std::size_t i = 0; i < n.size() && inverse && !obstacle; ++i) {
+          if (const auto of_n = backlash::minus_inverse(n[i], 0))
+            n[i] = of_n->value;
+          else
+            obstacle = omega[i];
+        }
+        if (!obstacle) curves.push_back({"static-backlash", std::move(n)});
       }
       return frac::identify(points.kept(), models_, curves, fit, threads());
     };
@@ -170,6 +182,9 @@ class Identify : public Command {
       say(sentence);
       result = ranked();
     }
+    if (obstacle)
+      say("no static-backlash candidate: at " + io::format_number(*obstacle) +
+          " rad/s static backlash passes no motion on, so that N is 0 and -1/N infinite");
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
     return write_ranking(points.kept(), fit, result,
                          fit_run(request_, options(), file, points.left_out(), command_line()));

@@ -90,6 +90,8 @@ class IdentifyScene : public Command {
     scene_.constraints = has_receptances() ? constraints_of(frac::NamedModel{}, given_) : constraints_of(given_);
     // A formula that does not parse is told before files are read.
     if (has_receptances()) static_cast<void>(receptances());
+    // The scene is one of N; a file of -1/N tells it.
+    reading_.quantity = backlash::Quantity::n;
     for (const auto& text : where_) reading_.where.emplace_back(text);
     if (force_.size() > 1 && force_.size() != data_.size())
       throw std::invalid_argument("--force names " + std::to_string(force_.size()) + " amplitudes for " +

@@ -16,6 +16,7 @@ class Map : public SweepCommand {
     o.parsed("--restitution", restitution_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
     o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();
     o.choice("--body", sweep_.output, backlash::outputs());
+    add_quantity();
     o.choice("--protocol", sweep_.protocol, backlash::protocols());
     o.number("--orbit-tolerance", sweep_.tolerance);
     o.number("--mean-tolerance", sweep_.mean_tolerance,
@@ -45,7 +46,10 @@ class Map : public SweepCommand {
     // More shards than restitutions leave some without any.
     require_table_size({{"--restitution", part.size()}, {"--omega", omega_.size()}},
                        streams() ? largest_stream : largest_table);
-    return write_points({io::part_of(scenes, shard(), cost), omega_, sweep_}, map_table(scene, part, sweep_, shard()));
+    return write_points(
+        {io::part_of(scenes, shard(), cost), omega_, sweep_},
+        map_table(scene, part, sweep_, form(PointColumns::with_diagnostics, sweep_.output == backlash::Output::x1),
+                  shard()));
   }
 
   Scene scene_;

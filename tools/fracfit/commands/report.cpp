@@ -20,10 +20,10 @@ class Report : public Command {
             "FILE");
     add_file_options(o, how_);
     add_select(o, how_);
-    o.choice(
-         "--quantity", field_, report::fields(),
-         "What DATA measures, which decides how the pictures show it; auto: as the names and units of the file tell",
-         "NAME")
+    o.choice("--quantity", field_, report::fields(),
+             "which decides how the pictures show them; auto: as the names and units of the file tell; n and "
+             "minus-inverse: "
+             "N or -1/N, made of the other one where the file holds that")
         .only_with({"DATA"});
     o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
         .not_with({"DATA"});

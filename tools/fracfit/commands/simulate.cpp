@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <optional>
 #include <stdexcept>
 
@@ -32,6 +34,7 @@ class Simulate : public SweepCommand {
         .was("--model");
     const Condition is_static{"--motion", {"static"}};
     o.choice("--body", sweep_.output, backlash::outputs()).not_with(is_static, "whose closed form gives x1 alone");
+    add_quantity();
     o.choice("--protocol", sweep_.protocol, backlash::protocols()).not_with(is_static, "which is a closed form");
     o.number("--orbit-tolerance", sweep_.tolerance).not_with(is_static, "which is a closed form");
     for (const char* receptance : {"--load-receptance", "--drive-receptance"}) {
@@ -58,6 +61,8 @@ class Simulate : public SweepCommand {
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --body x2 --out "
         "curve.csv\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 19.1:35:160 --quantity minus-inverse "
+        "--out loss.csv\n"
         "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --motion static --format json\n"
         "  fracfit simulate --force 10:50:5 --clearance 0.1:0.3:2 --restitution 0.6 --omega 5:35:200log --shard 1/2 "
         "--out part1.csv\n"
@@ -73,6 +78,13 @@ class Simulate : public SweepCommand {
     return run_bodies();
   }
 
+  [[nodiscard]] PointColumns columns() const {
+    return diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic;
+  }
+  // JSON has all columns.
+  [[nodiscard]] PointForm json_form() const { return form(PointColumns::with_diagnostics, has_loss_factor()); }
+  [[nodiscard]] bool has_loss_factor() const { return sweep_.output == backlash::Output::x1 && !load_ && !drive_; }
+
   int run_bodies() {
     if (force_.size() * clearance_.size() * restitution_.size() > 1 || shard().count > 1) {
       throw std::invalid_argument("with receptances simulate takes one force, one clearance and one restitution");
@@ -87,16 +99,15 @@ class Simulate : public SweepCommand {
     const backlash::DescribingFunctionSweep sweep =
         backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_);
     if (format() == "json") {
-      write(sweep_json(sweep, command_line()));
+      write(sweep_json(sweep, json_form(), command_line()));
     } else {
       const std::vector<backlash::SweepScene> scene{{bodies.system(), sweep.force_amplitude}};
-      const SweepTable table = sweep_table(
-          scene, scene, sweep.options, diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic, shard());
+      const SweepTable table = sweep_table(scene, scene, sweep.options, form(columns(), has_loss_factor()), shard());
       write(text_of(document_of(table, 0, omega_.size(), sweep.points), format(), command_line()));
     }
     PointCounts counts;
-    for (const backlash::DescribingFunctionPoint& point : sweep.points) counts.add(point);
-    return exit_code_of(counts, diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic);
+    counts.add(sweep.points, quantity());
+    return exit_code_of(counts, form(columns(), has_loss_factor()));
   }
 
   int run_static() {
@@ -105,9 +116,12 @@ class Simulate : public SweepCommand {
         throw std::invalid_argument(std::string(name) + " has several values; --motion static takes a single one");
     StaticCurve curve{mass1_, mass2_, clearance_.front(), force_.front(), omega_, {}};
     curve.value = backlash::static_describing_function(mass1_, mass2_, curve.clearance, curve.force_amplitude, omega_);
-    write(format() == "json" ? static_curve_json(curve, command_line())
-                             : text_of(document_of(curve), format(), command_line()));
-    return usable_result;
+    write(format() == "json" ? static_curve_json(curve, quantity(), command_line())
+                             : text_of(document_of(curve, quantity()), format(), command_line()));
+    const auto without = std::count(curve.value.begin(), curve.value.end(), std::complex<double>(0));
+    const bool inverse = quantity() == backlash::Quantity::minus_inverse;
+    return has_values(inverse ? static_cast<std::size_t>(without) : 0, omega_.size()) ? usable_result
+                                                                                      : no_usable_result;
   }
 
   // Every combination, force slowest.
@@ -131,11 +145,11 @@ class Simulate : public SweepCommand {
       const io::ProgressBar bar(name(), progress, progress_style());
       return backlash::describing_function_sweeps(all, omega_, sweep_, &progress);
     }();
-    write(sweeps.size() == 1 ? sweep_json(sweeps.front(), command_line()) : sweeps_json(sweeps, command_line()));
+    write(sweeps.size() == 1 ? sweep_json(sweeps.front(), json_form(), command_line())
+                             : sweeps_json(sweeps, json_form(), command_line()));
     PointCounts counts;
-    for (const auto& sweep : sweeps)
-      for (const auto& point : sweep.points) counts.add(point);
-    return exit_code_of(counts, PointColumns::with_diagnostics);
+    for (const auto& sweep : sweeps) counts.add(sweep.points, quantity());
+    return exit_code_of(counts, json_form());
   }
 
   int run_dynamic() {
@@ -145,8 +159,8 @@ class Simulate : public SweepCommand {
     require_table_size({{"scenes", part.size()}, {"--omega", omega_.size()}},
                        streams() ? largest_stream : largest_table);
     if (format() == "json") return run_json(all);
-    const auto columns = diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic;
-    return write_points({part, omega_, sweep_}, sweep_table(all, part, sweep_, columns, shard()));
+    return write_points({part, omega_, sweep_},
+                        sweep_table(all, part, sweep_, form(columns(), has_loss_factor()), shard()));
   }
 
   std::vector<double> force_, clearance_, restitution_, omega_;

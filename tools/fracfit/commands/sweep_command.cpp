@@ -15,11 +15,12 @@ int SweepCommand::write_points(const backlash::SweepPieces& pieces, const SweepT
   }();
   if (counts.of_earlier_run > 0)
     say("went on with " + out() + ".partial, which held " + std::to_string(counts.of_earlier_run) + " of the points");
-  return exit_code_of(counts, table.points);
+  return exit_code_of(counts, table.form);
 }
 
-int SweepCommand::exit_code_of(const PointCounts& counts, PointColumns columns) const {
-  const std::string place = columns == PointColumns::with_diagnostics ? "see column " : "--diagnostics adds column ";
+int SweepCommand::exit_code_of(const PointCounts& counts, const PointForm& form) const {
+  const std::string place =
+      form.columns == PointColumns::with_diagnostics ? "see column " : "--diagnostics adds column ";
   if (counts.not_finite > 0) say("some points have no finite value, see the output");
   if (counts.transient_possible > 0)
     say(std::to_string(counts.transient_possible) + " of the points may be means of a transient; " + place +
@@ -29,7 +30,27 @@ int SweepCommand::exit_code_of(const PointCounts& counts, PointColumns columns) 
         " of the points follow orbits that rounding decides on and are means over forces that differ in the last "
         "digits; " +
         place + "force_sensitivity");
-  return counts.not_finite == 0 ? usable_result : no_usable_result;
+  return has_values(counts.without_inverse, counts.all) && counts.not_finite == 0 ? usable_result : no_usable_result;
+}
+
+Option& SweepCommand::add_quantity() {
+  return options()
+      .choice("--quantity", quantity_, backlash::quantities(),
+              "N, m/N, or -1/N, N/m, of x1 with columns frequency_ratio, omega/sqrt(F/(M2 DELTA)), and loss_factor, "
+              "Im(-1/N)/((M1+M2) omega^2)")
+      .default_is("n");
+}
+
+PointForm SweepCommand::form(PointColumns columns, bool has_loss_factor) const {
+  return {columns, quantity(), has_loss_factor && quantity() == backlash::Quantity::minus_inverse};
+}
+
+bool SweepCommand::has_values(std::size_t without, std::size_t all) const {
+  if (without > 0)
+    say(std::to_string(without) + " of " + std::to_string(all) +
+        " points have no -1/N, as N is 0 there: nan in the output");
+  // A shard is part of a table that has others.
+  return without < all || shard().count > 1;
 }
 
 }  // namespace fracfit

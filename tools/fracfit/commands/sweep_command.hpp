@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
+#include "backlash/minus_inverse.hpp"
 #include "batch/sweep_stream.hpp"
 #include "options/command.hpp"
 
@@ -15,7 +19,18 @@ class SweepCommand : public Command {
   [[nodiscard]] bool streams() const { return writes_file() && format() == "csv"; }
   /// Computes, writes, and says what of the points a user should know. @return the exit code
   int write_points(const backlash::SweepPieces& pieces, const SweepTable& table);
-  [[nodiscard]] int exit_code_of(const PointCounts& counts, PointColumns columns) const;
+  [[nodiscard]] int exit_code_of(const PointCounts& counts, const PointForm& form) const;
+
+  /// --quantity.
+  Option& add_quantity();
+  [[nodiscard]] backlash::Quantity quantity() const { return quantity_.value_or(backlash::Quantity::n); }
+  /// @param has_loss_factor  what is written is x1 of two free masses
+  [[nodiscard]] PointForm form(PointColumns columns, bool has_loss_factor) const;
+  /// Says how many points have no -1/N. @return whether others have
+  [[nodiscard]] bool has_values(std::size_t without, std::size_t all) const;
+
+ private:
+  std::optional<backlash::Quantity> quantity_;
 };
 
 }  // namespace fracfit

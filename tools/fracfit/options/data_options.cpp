@@ -25,4 +25,12 @@ void add_select(Options& options, io::MeasurementOptions& how) {
       .only_for(frequency_response);
 }
 
+void add_quantity(Options& options, std::optional<backlash::Quantity>& quantity) {
+  options
+      .choice("--quantity", quantity, backlash::quantities(),
+              "N or -1/N, made of the other one where the file holds that, which its header tells, or the unit N/m")
+      .default_is("as the file has it")
+      .only_for(frequency_response);
+}
+
 }  // namespace fracfit

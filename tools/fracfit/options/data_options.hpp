@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
+#include "backlash/minus_inverse.hpp"
 #include "io/measurement.hpp"
 #include "options/options.hpp"
 
@@ -14,5 +17,8 @@ constexpr const char* samples_over_time = "samples over time";
 void add_file_options(Options& options, io::MeasurementOptions& how);
 /// --select: one of the sweeps of a file.
 void add_select(Options& options, io::MeasurementOptions& how);
+
+/// --quantity: N or -1/N, whichever of both the file holds.
+void add_quantity(Options& options, std::optional<backlash::Quantity>& quantity);
 
 }  // namespace fracfit

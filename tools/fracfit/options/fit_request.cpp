@@ -44,6 +44,7 @@ void add_data(Options& options, FitRequest& request) {
 
 void add_residual_options(Options& options, FitRequest& request) {
   constexpr std::size_t most_poles = 1000;
+  add_quantity(options, request.quantity);
   options.choice("--component", request.component, frac::components()).only_for(frequency_response);
   options
       .text("--weight", request.weight,
@@ -110,6 +111,7 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measure
   for (const auto& text : request.where) options.where.emplace_back(text);
   options.phase_may_miss = request.component == frac::Component::magnitude;
   options.magnitude_may_miss = request.component == frac::Component::phase;
+  options.quantity = request.quantity;
   options.how = request.how;
   options.repeats_are_points = request.weight == frac::to_string(frac::Weight::repeats);
   if (request.key_column.empty())

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/minus_inverse.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/identification/outliers.hpp"
 #include "io/frequency_response_file.hpp"
@@ -18,6 +19,7 @@ namespace fracfit {
 /// What fit, identify and batch have in common: the data and how residuals are formed.
 struct FitRequest {
   std::string data;
+  std::optional<backlash::Quantity> quantity;
   frac::Component component = frac::Component::imaginary;
   std::string weight = "learned";
   frac::Loss loss = frac::Loss::none;

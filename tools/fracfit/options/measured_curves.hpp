@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ struct MeasuredCurve {
 };
 
 /// Every sweep, curve and scene of a file, or the one selected.
-[[nodiscard]] std::vector<MeasuredCurve> read_curves(const std::string& file, const io::MeasurementOptions& how);
+[[nodiscard]] std::vector<MeasuredCurve> read_curves(const std::string& file, const io::MeasurementOptions& how,
+                                                     std::optional<backlash::Quantity> quantity = {});
 
 /// What was assumed, ignored or sorted while the curves were read, each sentence once.
 [[nodiscard]] std::vector<std::string> notes_of(const std::vector<MeasuredCurve>& curves);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frac/identification/component_power_law.hpp"
 #include "frac/identification/constraints.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
@@ -114,6 +115,9 @@ frac::NamedModel chosen_model(const std::string& given) {
   const auto& library = frac::model_library();
   const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
   const bool family = text == "rational" || text == "commensurate" || text == "terms";
+  if (text == frac::component_power_law_name)
+    throw std::invalid_argument("model " + io::quoted(text) +
+                                " is one of fracfit fit, which fits one part of a response by itself");
   if (!known && !family && looks_like_a_preset(text))
     throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s" +
                                 suggestion(text, preset_names()) + "; presets:\n" + preset_list());

@@ -17,6 +17,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--mass2", "M2", "Mass 2, kg", "--m2"},
       {"--omega", "W", "Angular frequency, rad/s"},
       {"--body", "BODY", "Mass whose position is read", "--output"},
+      {"--quantity", "NAME", "What the values are"},
       {"--protocol", "P", "Where the motion starts"},
       {"--orbit-tolerance", "T", "Closure of an orbit, relative to the clearance", "--tolerance"},
       {"--position", "Y", "x2 - x1 where the force is at its peak, m: 0 at one wall, the clearance at the other"},

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
 #include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
@@ -17,6 +18,7 @@
 namespace fracfit {
 namespace {
 
+constexpr std::size_t law_indent = 11;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string option_of(const FitRun& run, std::string_view key) {
@@ -35,7 +37,10 @@ std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
                      short_number(on_axis(run, run.lower)) + " .. " + short_number(on_axis(run, run.upper)) +
                      axis_unit(run);
-  if (!run.value_unit.empty()) text += ", values in " + io::written_unit(run.value_unit);
+  const bool inverse =
+      io::find_value(run.file_header, io::quantity_key) == backlash::to_string(backlash::Quantity::minus_inverse);
+  if (inverse || !run.value_unit.empty()) text += inverse ? ", values of -1/N" : ", values";
+  if (!run.value_unit.empty()) text += " in " + io::written_unit(run.value_unit);
   if (!run.left_out.empty()) {
     text += "\nleft out   at";
     for (const LeftOutPoint& point : run.left_out) text += " " + short_number(on_axis(run, point.omega));
@@ -341,8 +346,9 @@ std::string why_chosen(const frac::IdentificationResult& result) {
 }  // namespace
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
-         (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(run, result) + "\n" +
+  return "model      " + result.model + "\n" +
+         (run.law.empty() ? reading(result.model) : "law        " + paragraph(run.law, law_indent)) + heading(run) +
+         "\n" + (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(run, result) + "\n" +
          prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
          remarks_on_residuals(run, result, statistics) + closing(result);
 }
@@ -400,6 +406,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
                     {"lag_one_correlation", io::format_number(statistics.whiteness.lag_one_correlation)},
                     {"whiteness_p_value", io::format_number(statistics.whiteness.p_value)}})
     document.head.emplace_back(key, value);
+  if (!run.law.empty()) document.head.emplace_back("law", run.law);
   auto& columns = document.rows.columns;
   columns = {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"};
   if (!statistics.profile.empty()) columns.insert(columns.end(), {"profile_lower", "profile_upper"});
@@ -459,7 +466,8 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, run, result);
-  json["stability"] = stability_json(result);
+  if (!run.law.empty()) json["law"] = run.law;
+  json["stability"] = run.law.empty() ? stability_json(result) : Json(nullptr);
   append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
   if (!result.priors.empty()) {

@@ -33,6 +33,7 @@ struct FitRun {
   std::string validity_sentence = {};
   std::vector<LeftOutPoint> left_out = {};                              // index rising
   frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // of the file
+  std::string law = {};  // what the model says in words, where its formula does not; see component_power_law
 };
 
 // Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "backlash/describing_function.hpp"
+#include "backlash/minus_inverse.hpp"
 #include "backlash/regime_map.hpp"
 #include "io/shard.hpp"
 #include "output/document.hpp"
@@ -16,6 +17,15 @@ namespace fracfit {
 
 /// Columns of a point: those that other programs rely on, or these followed by the ones of --diagnostics.
 enum class PointColumns { basic, with_diagnostics };
+
+/// How points are written.
+struct PointForm {
+  PointColumns columns = PointColumns::basic;
+  /// -1/N has columns of its own unit, nan where N is 0.
+  backlash::Quantity quantity = backlash::Quantity::n;
+  /// Of -1/N also frequency ratio and loss factor, which x1 of free masses has.
+  bool loss_factor = false;
+};
 
 /// Describing function of the model without inertia.
 struct StaticCurve {
@@ -30,7 +40,8 @@ struct StaticCurve {
 struct SweepTable {
   io::Metadata head;
   std::vector<std::string> columns;
-  PointColumns points;
+  PointForm form;
+  std::vector<backlash::SweepScene> scenes;  // of each curve
   /// What tells the curve from the others, in front of each of its rows.
   std::function<std::vector<Cell>(std::size_t curve)> in_front;
   io::Shard shard;
@@ -38,13 +49,14 @@ struct SweepTable {
 
 /// Table of the curves of one scene over restitution, with all columns of a point.
 [[nodiscard]] SweepTable map_table(const backlash::MapScene& scene, const std::vector<double>& restitution,
-                                   const backlash::SweepOptions& options, const io::Shard& shard);
+                                   const backlash::SweepOptions& options, const PointForm& form,
+                                   const io::Shard& shard);
 /// Table of one curve, or of several told apart by force, clearance and restitution.
 /// @param all   scenes of all shards
 /// @param part  those of this one
 [[nodiscard]] SweepTable sweep_table(const std::vector<backlash::SweepScene>& all,
                                      const std::vector<backlash::SweepScene>& part,
-                                     const backlash::SweepOptions& options, PointColumns columns,
+                                     const backlash::SweepOptions& options, const PointForm& form,
                                      const io::Shard& shard);
 
 // The rows refer to what they are made from, which has to outlive them.
@@ -55,12 +67,14 @@ struct SweepTable {
 [[nodiscard]] Document document_of(const SweepTable& table, std::size_t first, std::size_t width,
                                    const std::vector<backlash::DescribingFunctionPoint>& points);
 /// The columns of a sweep; what the closed form does not know is nan.
-[[nodiscard]] Document document_of(const StaticCurve& curve);
+[[nodiscard]] Document document_of(const StaticCurve& curve, backlash::Quantity quantity);
 
-/// JSON has the points of each sweep below its scene, with all columns.
-[[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command);
+/// JSON has the points of each sweep below its scene, with all columns of the form.
+[[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
+                                     const std::string& command);
 [[nodiscard]] std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
-                                      const std::string& command);
-[[nodiscard]] std::string static_curve_json(const StaticCurve& curve, const std::string& command);
+                                      const PointForm& form, const std::string& command);
+[[nodiscard]] std::string static_curve_json(const StaticCurve& curve, backlash::Quantity quantity,
+                                            const std::string& command);
 
 }  // namespace fracfit
