@@ -7,6 +7,7 @@
 
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "frac/identification/economy.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/time_series_file.hpp"
@@ -43,6 +44,13 @@ std::vector<double> prediction_rms(const Data& data, const Options& options, con
   for (const auto& note : notes)
     if (!note.empty()) command.say(note);
   return rms;
+}
+
+/// Computed by `simulate`, or met to rounding by a model.
+bool are_without_noise(const io::Metadata& header, const frac::FrequencyResponseData& data,
+                       const frac::FitOptions& options, const frac::IdentificationResult& result) {
+  const auto command = io::find_value(header, "command");
+  return (command && command->starts_with("fracfit simulate ")) || frac::met_to_rounding(data, options, result);
 }
 
 class Identify : public Command {
@@ -146,6 +154,19 @@ class Identify : public Command {
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
+  std::optional<frac::Economy> economy_of(const frac::FrequencyResponseData& data,
+                                          const std::vector<frac::FixedCurve>& curves) {
+    frac::EconomyOptions asked;
+    asked.component = request_.component;
+    try {
+      return frac::economy(data, curves, asked, threads());
+    } catch (const std::invalid_argument& error) {
+      say(request_.data +
+          ": these data carry no noise, but nothing is said about the economy of models: " + error.what());
+      return std::nullopt;
+    }
+  }
+
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
@@ -157,22 +178,25 @@ class Identify : public Command {
     const bool static_backlash = complete_scene(file.metadata);
     if (static_backlash && io::find_value(file.metadata, "output") == "x2")
       say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
-    const auto ranked = [&] {
+    const auto curves = [&] {
       std::vector<frac::FixedCurve> curves;
       if (static_backlash) {
         curves.push_back({"static-backlash", backlash::static_describing_function(*mass1_, *mass2_, *clearance_,
                                                                                   *force_, points.kept().omega())});
       }
-      return frac::identify(points.kept(), models_, curves, fit, threads());
+      return curves;
     };
+    const auto ranked = [&] { return frac::identify(points.kept(), models_, curves(), fit, threads()); };
     auto result = ranked();
     if (const auto sentence = points.take_back_met(fit, result.ranking.at(result.chosen)); !sentence.empty()) {
       say(sentence);
       result = ranked();
     }
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
-    return write_ranking(points.kept(), fit, result,
-                         fit_run(request_, options(), file, points.left_out(), command_line()));
+    FitRun about = fit_run(request_, options(), file, points.left_out(), command_line());
+    if (are_without_noise(file.metadata, points.kept(), fit, result))
+      about.economy = economy_of(points.kept(), curves());
+    return write_ranking(points.kept(), fit, result, about);
   }
 
   FitRequest request_;
