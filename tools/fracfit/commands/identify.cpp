@@ -8,6 +8,7 @@
 #include "backlash/minus_inverse.hpp"
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "frac/identification/economy.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/number.hpp"
@@ -45,6 +46,13 @@ std::vector<double> prediction_rms(const Data& data, const Options& options, con
   for (const auto& note : notes)
     if (!note.empty()) command.say(note);
   return rms;
+}
+
+/// Computed by `simulate`, or met to rounding by a model.
+bool are_without_noise(const io::Metadata& header, const frac::FrequencyResponseData& data,
+                       const frac::FitOptions& options, const frac::IdentificationResult& result) {
+  const auto command = io::find_value(header, "command");
+  return (command && command->starts_with("fracfit simulate ")) || frac::met_to_rounding(data, options, result);
 }
 
 class Identify : public Command {
@@ -148,6 +156,19 @@ class Identify : public Command {
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
+  std::optional<frac::Economy> economy_of(const frac::FrequencyResponseData& data,
+                                          const std::vector<frac::FixedCurve>& curves) {
+    frac::EconomyOptions asked;
+    asked.component = request_.component;
+    try {
+      return frac::economy(data, curves, asked, threads());
+    } catch (const std::invalid_argument& error) {
+      say(request_.data +
+          ": these data carry no noise, but nothing is said about the economy of models: " + error.what());
+      return std::nullopt;
+    }
+  }
+
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
@@ -161,7 +182,7 @@ class Identify : public Command {
     if (static_backlash && io::find_value(file.metadata, "output") == "x2")
       say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
     std::optional<double> obstacle;  // frequency at which the static curve has no -1/N
-    const auto ranked = [&] {
+    const auto fixed_curves = [&] {
       std::vector<frac::FixedCurve> curves;
       obstacle.reset();
       if (static_backlash) {
@@ -175,8 +196,9 @@ class Identify : public Command {
         }
         if (!obstacle) curves.push_back({"static-backlash", std::move(n)});
       }
-      return frac::identify(points.kept(), models_, curves, fit, threads());
+      return curves;
     };
+    const auto ranked = [&] { return frac::identify(points.kept(), models_, fixed_curves(), fit, threads()); };
     auto result = ranked();
     if (const auto sentence = points.take_back_met(fit, result.ranking.at(result.chosen)); !sentence.empty()) {
       say(sentence);
@@ -186,8 +208,10 @@ class Identify : public Command {
       say("no static-backlash candidate: at " + io::format_number(*obstacle) +
           " rad/s static backlash passes no motion on, so that N is 0 and -1/N infinite");
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
-    return write_ranking(points.kept(), fit, result,
-                         fit_run(request_, options(), file, points.left_out(), command_line()));
+    FitRun about = fit_run(request_, options(), file, points.left_out(), command_line());
+    if (are_without_noise(file.metadata, points.kept(), fit, result))
+      about.economy = economy_of(points.kept(), fixed_curves());
+    return write_ranking(points.kept(), fit, result, about);
   }
 
   FitRequest request_;

@@ -11,6 +11,7 @@
 #include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
+#include "output/economy_output.hpp"
 #include "output/fitted_stability.hpp"
 #include "output/json.hpp"
 #include "output/parameter_output.hpp"
@@ -355,7 +356,10 @@ std::string fit_table(const FitRun& run, const frac::FitResult& result, const Fi
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
                                  const std::vector<double>& prediction_rms) {
-  std::vector<std::string> names{"model", "class", "free", "rms", "delta AICc", "Akaike weight"};
+  // Weights of evidence are of data with noise.
+  const bool noisy = !run.economy;
+  std::vector<std::string> names{"model", "class", "free", "rms"};
+  if (noisy) names.insert(names.end(), {"delta AICc", "Akaike weight"});
   if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
   names.emplace_back("");
   AlignedTable ranking(names, AlignedTable::Last::remark);
@@ -368,12 +372,9 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
       if (remark != misses_the_data) others += " (" + remark + ")";
       continue;
     }
-    std::vector<std::string> row{candidate.name,
-                                 std::string(frac::to_string(candidate.model_class)),
-                                 std::to_string(candidate.fit.free_parameters),
-                                 short_number(candidate.fit.rms),
-                                 short_number(candidate.delta_aicc),
-                                 short_number(candidate.akaike_weight)};
+    std::vector<std::string> row{candidate.name, std::string(frac::to_string(candidate.model_class)),
+                                 std::to_string(candidate.fit.free_parameters), short_number(candidate.fit.rms)};
+    if (noisy) row.insert(row.end(), {short_number(candidate.delta_aicc), short_number(candidate.akaike_weight)});
     if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[i]));
     row.push_back(remark_with_spellings(result, i));
     ranking.add(row);
@@ -386,6 +387,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   }
   text += "\n" + ranking.text();
   if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
+  if (!noisy) return text + "\n" + economy_table(*run.economy);
   text +=
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
@@ -444,6 +446,7 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
   document.head.emplace_back("verdict", frac::to_string(result.verdict));
   document.head.emplace_back("evidence", io::format_number(result.evidence));
   document.head.emplace_back("chosen", result.ranking.at(result.chosen).name);
+  if (run.economy) document.head.emplace_back("economy", run.economy->sentence);
   auto& columns = document.rows.columns;
   columns = {"name", "class", "model",      "free_parameters", "cost",       "rms",
              "aicc", "bic",   "delta_aicc", "akaike_weight",   "termination"};
@@ -503,6 +506,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["model_error"] = result.model_error;
   json["noise_floor"] = result.noise_floor;
   json["next_measurement"] = next_measurement_json(result.next);
+  json["economy"] = run.economy ? economy_json(*run.economy) : Json();
   json["skipped"] = result.skipped;
   return json.dump() + "\n";
 }

@@ -64,6 +64,8 @@ class ProjectedData {
   [[nodiscard]] Eigen::ArrayXcd delayed(double time) const;
   /// d ln|value| / d ln omega of the data at the upper end of the band, over half a decade or three points.
   [[nodiscard]] double end_slope() const { return end_slope_; }
+  /// The weighted data, as the residuals hold them.
+  [[nodiscard]] const Eigen::VectorXd& target() const { return target_; }
   /// Sum of the squared weighted data.
   [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
   /// Costs below it are rounding.

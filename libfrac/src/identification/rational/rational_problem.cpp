@@ -87,13 +87,13 @@ void split_real_pairs(RationalShape& shape) {
 
 }  // namespace
 
-RationalProblem::RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule)
-    : ProjectedData(data, rule) {
+RationalProblem::RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles)
+    : ProjectedData(data, rule), poles_(poles) {
   // Up to 12 poles and as many zeros.
   constexpr std::size_t scouted = 80;
   if (2 * data.size() < 3 * scouted) return;
   const Thinned thin = thinned(data, rule, scouted);
-  few_ = std::make_shared<const RationalProblem>(thin.data, thin.rule);
+  few_ = std::make_shared<const RationalProblem>(thin.data, thin.rule, poles);
 }
 
 std::size_t RationalShape::poles() const {
@@ -178,11 +178,12 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
 
 Reach RationalProblem::reach(const RationalShape& shape) const {
   constexpr double e_folds = 2, of_order = 0.2;
+  const double least_damping = poles_ == Poles::stable ? 0 : -most_damping;
   Reach result;
   const double beyond = beyond_band / shape.order;
   for (const PoleFactor& factor : shape.factors) {
     result.add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);
-    if (factor.pair) result.add(e_folds, factor.damping, -most_damping, most_damping);
+    if (factor.pair) result.add(e_folds, factor.damping, least_damping, most_damping);
   }
   // Radians at the upper end of the band, or as much again.
   if (shape.delayed) {

@@ -53,12 +53,15 @@ struct RationalFit {
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
 };
 
+/// Where poles in z may lie.
+enum class Poles { anywhere, stable /* not in the right half plane */ };
+
 /// Weighted least squares of rational functions of z = s^order by variable projection: the residuals are linear in the
 /// numerator, so only poles, delay and order are searched for.
 class RationalProblem : public ProjectedData {
  public:
   /// @param rule  see ProjectedData
-  RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule);
+  RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles = Poles::anywhere);
 
   /// The problem at so few of its points that scouting is quick, or itself.
   [[nodiscard]] const RationalProblem& few() const { return few_ ? *few_ : *this; }
@@ -86,6 +89,7 @@ class RationalProblem : public ProjectedData {
  private:
   [[nodiscard]] RationalFit searched(RationalShape shape, const Effort& effort) const;
 
+  Poles poles_;
   std::shared_ptr<const RationalProblem> few_;
 };
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class EconomyOutput : public testing::Test {
+ protected:
+  /// The paper's scene from 19.1 to 35 rad/s, where the masses meet twice a period.
+  [[nodiscard]] std::string simulated() const {
+    std::string file = folder.path("two.csv");
+    const auto result = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6",
+                                     "--omega", "19.1:35:160", "--out", file});
+    EXPECT_EQ(result.code, 0) << result.error;
+    return file;
+  }
+  TemporaryFolder folder;
+};
+
+const Json* curve_of(const Json& economy, const std::string& name) {
+  for (const Json& curve : economy["curves"]) {
+    if (curve["name"] == name) return &curve;
+  }
+  return nullptr;
+}
+
+// Figures known to the digits that are written: K1/s^3 + K2 s leaves 0.173 % of the imaginary part, K s^a 1.63 %.
+TEST_F(EconomyOutput, OfComputedDataStandsBesideTheVerdict) {
+  const auto result = run_fracfit({"identify", simulated(), "--component", "imaginary", "--models", "power-law,lag"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  for (const char* key : {"verdict", "evidence", "log10_odds", "ranking"}) EXPECT_TRUE(json.contains(key)) << key;
+  const Json& economy = json["economy"];
+  ASSERT_TRUE(economy.is_object());
+  EXPECT_EQ(economy["verdict"], "integer-cheaper");
+  EXPECT_EQ(economy["component"], "imaginary");
+  const Json *const whole = curve_of(economy, "integer-powers-of-s"), *const real = curve_of(economy, "real-powers"),
+                    *const given = curve_of(economy, "static-backlash");
+  ASSERT_TRUE(whole && real && given);
+  EXPECT_EQ((*whole)["needs"], Json({2, 3, 4}));
+  EXPECT_EQ((*whole)["points"][1]["parameters"], 2);
+  EXPECT_NEAR((*whole)["points"][1]["error"].get<double>(), 0.00173, 5e-6);
+  EXPECT_EQ((*whole)["points"][1]["proven"], true);
+  EXPECT_NEAR((*real)["points"][0]["error"].get<double>(), 0.0163, 5e-5);
+  EXPECT_EQ((*given)["class"], "given");
+  EXPECT_EQ((*given)["needs"], Json({nullptr, nullptr, nullptr}));
+}
+
+TEST_F(EconomyOutput, TakesThePlaceOfEvidenceInTheTable) {
+  const auto result = run_fracfit(
+      {"identify", simulated(), "--component", "imaginary", "--models", "power-law,lag", "--format", "table"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  for (const char* shown : {"parameters needed", "whole powers of s", "economy: integer-cheaper."}) {
+    EXPECT_NE(result.output.find(shown), std::string::npos) << shown << "\n" << result.output;
+  }
+  for (const char* hidden : {"Akaike", "odds", "95 %", "not identified", "verdict:"}) {
+    EXPECT_EQ(result.output.find(hidden), std::string::npos) << hidden << "\n" << result.output;
+  }
+}
+
+std::string rows_of(double noise, bool with_zero) {
+  std::ostringstream rows;
+  rows.precision(17);
+  rows << "omega_rad_s,re,im\n";
+  for (int i = 0; i < 30; ++i) {
+    const double omega = std::pow(10, i / 20.0), scatter = 1 + noise * std::sin(37.0 * i * i);
+    // 2 s^2 has no imaginary part; 3 s^1 no real one.
+    rows << omega << ',' << -2 * omega * omega * scatter << ',' << (with_zero && i == 0 ? 0 : 3 * omega * scatter)
+         << '\n';
+  }
+  return rows.str();
+}
+
+// Told without a header by residuals at rounding; noise of a per cent is evidence for `verdict` alone.
+TEST_F(EconomyOutput, IsToldOfExactDataAndNotOfNoisyOnes) {
+  const std::vector<std::string> models{"--component", "both", "--models", "K1 s + K2 s^2,lag"};
+  const auto economy = [&](const std::string& file) {
+    std::vector<std::string> arguments{"identify", file};
+    arguments.insert(arguments.end(), models.begin(), models.end());
+    const auto result = run_fracfit(arguments);
+    return Json::parse(result.output)["economy"];
+  };
+  EXPECT_TRUE(economy(folder.write("noisy.csv", rows_of(0.01, false))).is_null());
+  const Json exact = economy(folder.write("exact.csv", rows_of(0, false)));
+  ASSERT_TRUE(exact.is_object());
+  EXPECT_EQ((*curve_of(exact, "integer-powers-of-s"))["needs"], Json({2, 2, 2}));
+  EXPECT_NE(exact["sentence"].get<std::string>().find("3 s + 2 s^2"), std::string::npos) << exact["sentence"];
+}
+
+// Where the imaginary part is 0 it has no relative error: it is said, and the ranking stands.
+TEST_F(EconomyOutput, SaysWhereNoRelativeErrorExists) {
+  const std::string file = folder.write("real.csv", "# command: fracfit simulate --force 1\n" + rows_of(0, true));
+  const auto result =
+      run_fracfit({"identify", file, "--component", "imaginary", "--weight", "absolute", "--models", "power-law,gain"});
+  EXPECT_NE(result.error.find("imaginary part at omega = 1 rad/s is 0, where no relative error exists"),
+            std::string::npos)
+      << result.error;
+  EXPECT_TRUE(Json::parse(result.output)["economy"].is_null());
+}
+
+}  // namespace
