@@ -228,7 +228,7 @@ TEST(Verdict, OddsAllowThatBothModelsAreFarFromTheTruth) {
 // evidence is none for fractional orders, and the odds are those of an order that departs.
 TEST(Verdict, EvidenceForWholeOrdersIsNoneForFractionalOnes) {
   auto candidates = models({"fractional-lag", "K/(T s + 1) + C + A s"});
-  for (const char* gain : {"C", "A"}) candidates[1].constraints.push_back({gain, {}, {}, {}, {}, {}, {}, true});
+  for (const char* gain : {"K", "C", "A"}) candidates[1].constraints.push_back({gain, {}, {}, {}, {}, {}, {}, true});
   const auto result =
       frac::identify(support::noisy_response("1/(s + 1)", {}, 0.01, 5u, 60), candidates, {}, both_parts());
   ASSERT_EQ(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;

@@ -46,6 +46,25 @@ def test_bits_of_the_command_line(cell):
     same_as_command_line(found, held)
 
 
+def test_a_formula_is_the_preset_that_it_is():
+    # Exact data of an exact model: the search ends at rounding.
+    data = Model("2 s^0.5 - 0.5 s^0.9").frequency_response(OMEGA)
+    plain, other = (fracfit.fit(data, each) for each in ("two-power-laws", "B2*s^y+s^x*B1"))
+    assert list(other.parameters) == ["B1", "x", "B2", "y"]
+    np.testing.assert_allclose(list(other.parameters.values()), list(plain.parameters.values()), rtol=1e-8)
+    assert other.limits == {"B1": (-np.inf, np.inf), "x": (-4, 4), "B2": (-np.inf, np.inf), "y": (-4, 4)}
+    with pytest.raises(ValueError, match="did you mean lag"):
+        fracfit.fit(data, "Lag")
+
+
+def test_what_helps_is_said_in_words_of_python():
+    # The best T >= 0 is 0, as that of the data is below it.
+    held = fracfit.fit(Model("3/(s^0.5 - 0.01)").frequency_response(np.logspace(-2, 2, 41)), "K/(s^0.5 + T)")
+    assert held.limits["T"] == (0, np.inf)
+    assert held.message.endswith("Others are given by bounds={'T': (lower, upper)}.") and held.message in repr(held)
+    assert pickle.loads(pickle.dumps(held)) == held
+
+
 @pytest.fixture(scope="module")
 def torn(tmp_path_factory):
     """A lag with noise of 1 % and two points far off the others: as a file, as data, and without the two."""

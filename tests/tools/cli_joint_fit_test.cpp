@@ -191,7 +191,7 @@ TEST(CliJointFit, PriorsAndOrdersAreTakenAndSaid) {
     EXPECT_NE(table.output.find(part), std::string::npos) << table.output;
 
   const auto single = run_fracfit({"fit", data.files[0], "--model", "K1 s^a1 + K2 s", "--component", "both", "--bound",
-                                   "a1=:1", "--prior", "K1=2+-10%", "--constraint", "K2<K1"});
+                                   "a1=:1", "--prior", "K1=2+-0.2", "--constraint", "K2<K1"});
   ASSERT_EQ(single.code, 0) << single.error;
   const auto fit = Json::parse(single.output);
   EXPECT_EQ(fit["options"]["constraints"], "K2<K1");

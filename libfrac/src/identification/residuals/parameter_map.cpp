@@ -112,7 +112,9 @@ void tighten(std::vector<ParameterConstraint>& of, const Structure& structure, c
 /// Whether a coefficient is positive unless a lower limit is given.
 bool is_positive(const Structure& structure, std::size_t i, const ParameterConstraint& constraint, bool blind_to_sign) {
   if (structure.parameter_roles()[i] != ParameterRole::coefficient) return false;
-  return constraint.positive || structure.parameter_keeps_sign()[i] ||
+  // A deviation of the logarithm is one of a positive number.
+  const bool told_by_prior = constraint.prior && constraint.prior->relative;
+  return constraint.positive || told_by_prior || structure.parameter_keeps_sign()[i] ||
          (blind_to_sign && !structure.parameter_in_sum()[i]);
 }
 
