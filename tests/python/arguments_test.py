@@ -40,6 +40,8 @@ CALLS = {
     "c_header": (PID.c_header, {}),
     "describing_function": (fracfit.describing_function, {"omega": [2.0, 3.0], "restitution": 0.5}),
     "static": (fracfit.static_describing_function, {"omega": [0.5]}),
+    "symmetric_loss_factor": (fracfit.symmetric_loss_factor, {"restitution": 0.5}),
+    "restitution_from_loss_factor": (fracfit.restitution_from_loss_factor, {"loss_factor": 0.2}),
     "regime_map": (fracfit.regime_map, {"restitution": [0.5], "omega": [2.0, 3.0]}),
     "orbits": (fracfit.orbits, {"start": 2.4, "stop": 2.5, "restitution": 0.6}),
     "limit_cycles": (fracfit.limit_cycles, {"controller": "20 + 8 s", "restitution": 0.6, "starts": 0}),

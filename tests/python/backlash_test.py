@@ -146,3 +146,29 @@ def test_wrong_scenes_are_refused():
         fracfit.orbits(1.0, 2.0)
     with pytest.raises(ValueError):
         fracfit.describing_function([1.0], restitution=[0.1, 0.2], force=[1.0, 2.0, 3.0])
+
+
+def test_minus_inverse_is_that_of_simulate(tmp_path):
+    omega = [8.0, 17.0, 25.0, 30.0]
+    grid = ("--omega", ",".join(map(repr, omega)), "--quantity", "minus-inverse")
+    found = command_line.columns_of("simulate", *OPTIONS, *grid)
+    curve = fracfit.describing_function(omega, **SCENE)
+    assert found["re_n_per_m"] == curve.minus_inverse.real.tolist()
+    assert found["im_n_per_m"] == curve.minus_inverse.imag.tolist()
+    # The law of two symmetric impacts per period, with M1 + M2 = 2 kg; values are rounded a few times.
+    assert curve.regime[2:].tolist() == ["symmetric", "symmetric"]
+    loss = curve.minus_inverse.imag[2:] / (2 * curve.omega[2:] ** 2)
+    np.testing.assert_allclose(loss, fracfit.symmetric_loss_factor(0.6), rtol=1e-12)
+    assert fracfit.restitution_from_loss_factor(loss[0]) == pytest.approx(0.6, abs=1e-12)
+    assert fracfit.restitution_from_loss_factor(1.0) is None
+    # A file of N is read as -1/N.
+    path = tmp_path / "curve.csv"
+    path.write_text("omega_rad_s,re_m_per_n,im_m_per_n\n1,-0.5,0\n2,0,0\n4,0,0.25\n")
+    read = fracfit.read(path, quantity="minus-inverse")
+    assert read.response.tolist() == [2, 4j]
+    assert read.unit == "N/m"
+    assert "2 rad/s" in read.metadata["notes"]
+    again = fracfit.read(path).minus_inverse()
+    assert again.response.tolist() == read.response.tolist()
+    assert again.unit == "N/m"
+    assert again.minus_inverse().unit == "m/N"

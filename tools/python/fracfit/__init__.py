@@ -31,7 +31,9 @@ from ._backlash import (
     limit_cycles,
     orbits,
     regime_map,
+    restitution_from_loss_factor,
     static_describing_function,
+    symmetric_loss_factor,
 )
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
@@ -102,8 +104,10 @@ __all__ = [
     "orbits",
     "read",
     "regime_map",
+    "restitution_from_loss_factor",
     "static_describing_function",
     "sweep_names",
+    "symmetric_loss_factor",
     *_LATER,
 ]
 

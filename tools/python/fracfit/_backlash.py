@@ -72,6 +72,14 @@ class DescribingFunction(_Points):
         return FrequencyResponse(self.omega, response, unit="m/N")  # type: ignore[attr-defined]
 
 
+    @property
+    def minus_inverse(self) -> np.ndarray:
+        """-1/N, N/m; nan where N is 0."""
+        response = self.response  # type: ignore[attr-defined]
+        found, _ = _core.minus_inverse(response.reshape(-1), np.zeros(response.size))
+        return found.reshape(response.shape)
+
+
 class RegimeMap(_Points):
     """Describing function over restitution (rows) and frequency (columns); attributes as `DescribingFunction`."""
 
@@ -150,6 +158,34 @@ def static_describing_function(
     omega = real_array(omega, "omega")
     scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
     return FrequencyResponse(omega, _core.static_describing_function(*scene, omega), unit="m/N")
+
+
+def symmetric_loss_factor(restitution: float) -> float:
+    """Im(-1/N)/((M1 + M2) omega^2) of x1 where two impacts per period lie half a period apart: (pi/4) (1-e)/(1+e).
+
+    It holds whatever force, clearance and masses, so that Im(-1/N) rises with omega^2 there, exactly.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> curve = fracfit.describing_function([20.0, 30.0], restitution=0.6, force=40, clearance=0.3)
+    >>> loss = curve.minus_inverse.imag / (2 * curve.omega**2)
+    >>> bool(abs(loss / fracfit.symmetric_loss_factor(0.6) - 1).max() < 1e-12)
+    True
+    """
+    return _core.symmetric_loss_factor(number(restitution, "restitution"))
+
+
+def restitution_from_loss_factor(loss_factor: float) -> float | None:
+    """The restitution at which `symmetric_loss_factor` is this: what one point of a curve tells; None where there is none.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> round(fracfit.restitution_from_loss_factor(fracfit.symmetric_loss_factor(0.6)), 12)
+    0.6
+    """
+    return _core.restitution_from_loss_factor(number(loss_factor, "loss_factor"))
 
 
 def regime_map(

@@ -152,6 +152,37 @@ class FrequencyResponse:
             kept &= mask
         return self[kept]
 
+    def minus_inverse(self) -> FrequencyResponse:
+        """-1/N of a describing function N, with sigma carried over; of -1/N it is N.
+
+        Points at which N is 0 have none and are left out, which the metadata tell.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> stiffness = fracfit.FrequencyResponse([1, 2, 4], [-0.5, 0, 0.25j], unit="m/N").minus_inverse()
+        >>> stiffness.omega, abs(stiffness.response), stiffness.unit
+        (array([1., 4.]), array([2., 4.]), 'N/m')
+        """
+        from . import _core
+
+        sigma = np.zeros(len(self)) if self._sigma is None else self._sigma
+        response, spread = _core.minus_inverse(self._response, sigma)
+        kept = np.isfinite(response)
+        metadata = dict(self.metadata)
+        if not kept.all():
+            lost = ", ".join(f"{omega:g}" for omega in self._omega[~kept])
+            metadata["notes"] = " ".join(filter(None, [metadata.get("notes", ""), f"Left out at {lost} rad/s, where N is 0."]))
+        above, slash, below = self.unit.partition("/")
+        return FrequencyResponse(
+            self._omega[kept],
+            response[kept],
+            None if self._sigma is None else spread[kept],
+            unit=f"{below}/{above}" if slash else self.unit and f"1/{self.unit}",
+            frequency_unit=self.frequency_unit,
+            metadata=metadata,
+        )
+
     def plot(self, *, kind: str = "bode", **options: Any) -> Any:
         """A picture with matplotlib, ``kind`` "bode" or "nyquist"; see `plot_bode` and `plot_nyquist`."""
         from . import plots
@@ -335,6 +366,7 @@ def read(
     where: str | Sequence[str] = (),
     weight_column: str | None = None,
     repeats: bool = False,
+    quantity: str | None = None,
     hold: str = "zero-order",
     input_at_rest: float = 0.0,
 ) -> FrequencyResponse | TimeSeries:
@@ -359,6 +391,8 @@ def read(
         Column with standard deviations, or with weights of the squared residuals.
     repeats : bool
         Rows that repeat frequencies are repeated measurements, not further sweeps.
+    quantity : {"n", "minus-inverse"}, optional
+        Describing functions as N or as -1/N, whichever of both the file holds; as the file has it unless given.
     hold, input_at_rest
         Of samples over time, see `TimeSeries`.
 
@@ -382,6 +416,7 @@ def read(
         "select": str(select),
         "weight_column": weight_column,
         "repeats": repeats,
+        "quantity": quantity,
     }
     conditions = [where] if isinstance(where, str) else list(where)
     found = _files.read(os.fspath(path), given, conditions)

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <complex>
+#include <limits>
 #include <string>
 
 #include "arrays.hpp"
 #include "backlash/jump_frequency.hpp"
+#include "backlash/loss_factor.hpp"
+#include "backlash/minus_inverse.hpp"
 #include "backlash/regime_map.hpp"
 #include "backlash/static_backlash.hpp"
 #include "parts.hpp"
@@ -96,6 +100,19 @@ py::dict map(double mass1, double mass2, double clearance, double force, const R
   return columns_of({&found.points}, {restitution.size(), omega.size()});
 }
 
+// nan where there is none.
+py::tuple minus_inverse(const Complexes& response, const Reals& uncertainty) {
+  py::array_t<std::complex<double>> values(response.size());
+  py::array_t<double> spread(response.size());
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (py::ssize_t i = 0; i < response.size(); ++i) {
+    const auto inverse = backlash::minus_inverse(response.data()[i], uncertainty.data()[i]);
+    values.mutable_data()[i] = inverse ? inverse->value : std::complex<double>(none, none);
+    spread.mutable_data()[i] = inverse ? inverse->uncertainty : none;
+  }
+  return py::make_tuple(values, spread);
+}
+
 }  // namespace
 
 void add_describing_function(py::module_& module) {
@@ -104,6 +121,9 @@ void add_describing_function(py::module_& module) {
   module.attr("regimes") = py::tuple(names);
   module.def("describing_functions", &sweeps);
   module.def("regime_map", &map);
+  module.def("minus_inverse", &minus_inverse);
+  module.def("symmetric_loss_factor", &backlash::symmetric_loss_factor);
+  module.def("restitution_from_loss_factor", &backlash::restitution_from_loss_factor);
   module.def("static_describing_function",
              [](double mass1, double mass2, double clearance, double force, const Reals& omega) {
                return array_of(backlash::static_describing_function(mass1, mass2, clearance, force, vector_of(omega)));

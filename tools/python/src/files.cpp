@@ -24,6 +24,8 @@ io::FrequencyResponseReadOptions options_of(const py::dict& given) {
   options.how.frequency_unit = given["frequency_unit"].cast<std::string>();
   options.how.select = given["select"].cast<std::string>();
   options.weight_column = given["weight_column"].cast<std::optional<std::string>>();
+  if (const auto quantity = given["quantity"].cast<std::optional<std::string>>())
+    options.quantity = backlash::quantity_from_string(*quantity);
   options.repeats_are_points = given["repeats"].cast<bool>();
   return options;
 }
