@@ -387,9 +387,9 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   }
   text += "\n" + ranking.text();
   if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
-  if (!noisy) return text + "\n" + economy_table(*run.economy);
-  text +=
-      "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
+  text += "chosen: " + why_chosen(result);
+  if (!noisy) return text + "\n\n" + economy_table(*run.economy);
+  text += "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(run, chosen.fit) + "\n" + remark_on_poles(chosen.fit);
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " +
