@@ -146,12 +146,10 @@ SweepTable map_table(const backlash::MapScene& scene, const std::vector<double>&
                                {"clearance_m", scene.clearance},
                                {"force_n", scene.force_amplitude}});
   append_options(head, options, true, form.quantity);
-  return {std::move(head),
-          point_columns(form, {"restitution"}),
-          form,
-          backlash::map_scenes(scene, restitution),
-          [restitution](std::size_t curve) { return std::vector<Cell>{restitution[curve]}; },
-          shard};
+  return {std::move(head), point_columns(form, {"restitution"}), form,
+          // More shards than restitutions leave some without any.
+          restitution.empty() ? std::vector<backlash::SweepScene>{} : backlash::map_scenes(scene, restitution),
+          [restitution](std::size_t curve) { return std::vector<Cell>{restitution[curve]}; }, shard};
 }
 
 SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::vector<backlash::SweepScene>& part,
