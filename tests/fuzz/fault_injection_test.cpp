@@ -296,8 +296,9 @@ TEST_F(Faults, ABootstrapGoesOnAfterAnyFault) {
 // A report is a folder: each of its files is old or new, the page comes last, and the folder under construction goes.
 TEST_F(Faults, AReportThatFailsLeavesNoFolderUnderConstruction) {
   const auto gnuplot = folder.write("gnuplot",
-                                    "#!/bin/sh\nn=${2%.gp}\nprintf '<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>' "
-                                    "> $n.svg\nprintf 'PNG IEND....' > $n.png\n");
+                                    "#!/bin/sh\nfor n in \"$@\"; do case $n in *.gp) n=${n%.gp}\n"
+                                    "printf '<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>' > $n.svg\n"
+                                    "printf 'PNG IEND....' > $n.png;; esac; done\n");
   fs::permissions(gnuplot, fs::perms::owner_all);
   const auto out = path("report");
   const std::vector<std::string> arguments{"report", folder.path("short.csv"), "--out", out, "--quiet"};

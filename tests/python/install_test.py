@@ -67,7 +67,9 @@ def test_the_wheel_is_described_as_the_project_is():
     folder = pathlib.Path(command_line.DATA).parent / "tools/python"
     told = tomllib.loads((folder / "pyproject.toml").read_text())
     version = told["tool"]["scikit-build"]["metadata"]["version"]
-    assert re.search(version["regex"], (folder / version["input"]).read_text())["value"] == fracfit.__version__
+    # A wheel between two releases has the number of the next one.
+    number = fracfit.__version__.removesuffix("-dev")
+    assert re.search(version["regex"], (folder / version["input"]).read_text())["value"] == number
     build = told["tool"]["scikit-build"]
     lists = (folder / build["cmake"]["source-dir"] / "CMakeLists.txt").read_text()
     for option in build["cmake"]["define"]:
