@@ -464,7 +464,9 @@ TEST(Economy, OfAClassThatContainsAnotherIsAsGood) {
     const frac::Economy economy = economy_of(response_of("1/(1 + (2 s)^0.8)^0.6", 0.05, 20, 40), component);
     const auto& real = curve_of(economy, EconomyClass::real_powers);
     for (const frac::EconomyPoint& point : curve_of(economy, EconomyClass::integer_powers_of_s).points) {
-      if (2 * point.parameters <= 8) EXPECT_LE(error_with(real, 2 * point.parameters), point.error * (1 + 1e-9));
+      if (2 * point.parameters <= 8) {
+        EXPECT_LE(error_with(real, 2 * point.parameters), point.error * (1 + 1e-9));
+      }
     }
     for (const frac::EconomyPoint& point : curve_of(economy, EconomyClass::rational).points) {
       if (point.parameters < 8) {

@@ -20,8 +20,8 @@ std::smatch first_match(const std::string& file, const std::string& pattern, std
   return match;
 }
 
-// A release has one version and one date wherever they are told.  Between two releases the program, the packages and the
-// changelog name the next one, and what is cited is the last.
+// A release has one version and one date wherever they are told.  Between two releases the program, the packages and
+// the changelog name the next one, and what is cited is the last.
 TEST(Versions, AreTheSameWhereverTheyAreTold) {
   std::string cmake, changelog, packages, citation;
   const auto project = first_match("CMakeLists.txt", R"(project\(fracfit VERSION ([0-9.]+))", cmake);

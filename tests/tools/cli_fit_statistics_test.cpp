@@ -147,7 +147,8 @@ TEST_F(FitStatistics, ThreeKindsOfIntervalAgreeOnAnEasyProblem) {
   for (const char* part : {"profile likelihood", "bootstrap of 20", "correlation of neighbours"})
     EXPECT_NE(table.output.find(part), std::string::npos) << part << " in:\n" << table.output;
   const auto csv = run_fracfit(fit({"--model", "power-law", "--profile", "--format", "csv"}));
-  EXPECT_NE(csv.output.find("fixed,profile_lower,profile_upper,unit,lower_limit,upper_limit\n"), std::string::npos) << csv.output;
+  EXPECT_NE(csv.output.find("fixed,profile_lower,profile_upper,unit,lower_limit,upper_limit\n"), std::string::npos)
+      << csv.output;
 }
 
 // What the intervals are made of: the deviation of the rows is the standard error that is stated.

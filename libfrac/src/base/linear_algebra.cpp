@@ -77,8 +77,8 @@ Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right) const {
   return factor_->solve(right);
 }
 
-// Of the triangle R of Q R P' = matrix, whose right vectors are those of the matrix in the order P.  Rows of zeros make a wide
-// matrix square.  The same preconditioner inside of Eigen's decomposition takes three times as long to compile.
+// Of the triangle R of Q R P' = matrix, whose right vectors are those of the matrix in the order P.  Rows of zeros make
+// a wide matrix square.  The same preconditioner inside of Eigen's decomposition takes three times as long to compile.
 RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix) {
   const Eigen::Index size = matrix.cols();
   const Eigen::Index count = std::min(matrix.rows(), size);

@@ -30,8 +30,9 @@ Command& command_named(const std::vector<CommandGroup>& groups, const std::strin
   if (Command* found = find_command(groups, name)) return *found;
 #ifndef FRACFIT_HAS_EXPORTS
   if (name == "export")
-    refuse("export is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
-           "-DFRACFIT_EXPORTS=ON");
+    refuse(
+        "export is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
+        "-DFRACFIT_EXPORTS=ON");
 #endif
   std::vector<std::string> names;
   for (const auto& group : groups)

@@ -32,7 +32,7 @@ struct FitRun {
   bool over_time = false;
   std::optional<frac::ValidationResult> validity = {};  // of a frequency response of which both parts are fitted
   std::string validity_sentence = {};
-  std::optional<frac::Economy> economy = {};  // of data without noise
+  std::optional<frac::Economy> economy = {};                            // of data without noise
   std::vector<LeftOutPoint> left_out = {};                              // index rising
   frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // of the file
   std::string law = {};  // what the model says in words, where its formula does not; see component_power_law
