@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/zip_archive.hpp"
 
-#include <stdexcept>
-
-#ifdef FRACFIT_HAS_LIBZIP
 #include <zip.h>
 
 #include <memory>
-#endif
+#include <stdexcept>
 
 namespace io {
-
-#ifdef FRACFIT_HAS_LIBZIP
 
 namespace {
 
@@ -20,10 +15,6 @@ namespace {
 }
 
 }  // namespace
-
-bool can_write_archives() {
-  return true;
-}
 
 std::string zip_archive(const std::vector<ArchivedFile>& files) {
   zip_error_t error;
@@ -64,17 +55,5 @@ std::string zip_archive(const std::vector<ArchivedFile>& files) {
   if (got != static_cast<zip_int64_t>(size.size)) fail("reading", "too few bytes");
   return bytes;
 }
-
-#else
-
-bool can_write_archives() {
-  return false;
-}
-
-std::string zip_archive(const std::vector<ArchivedFile>&) {
-  throw std::runtime_error("zip archive: this program was built without libzip");
-}
-
-#endif
 
 }  // namespace io

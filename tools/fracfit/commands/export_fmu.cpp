@@ -62,8 +62,6 @@ class ExportFmu : public Command {
 
   void check() override {
     frac::check_c_name(options_.name);
-    if (!io::can_write_archives())
-      throw std::runtime_error("export fmu: this program was built without libzip, which writes the unit");
     if (has_masses()) return;
     if (!is_plant()) {
       request_.check(options());

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MAT-files of level 5, through libmatio where the build has it: a vector of frequencies named as a column would be,
 // and complex vectors, or one real and one imaginary vector, of its length.
+//
+// libmatio is loaded with the first such file: it brings HDF5 and thirty further libraries, whose loading is a third of
+// every start of the program.
 #include "io/data_error.hpp"
 #include "io/formats/format.hpp"
 
-#ifdef FRACFIT_HAS_MATIO
+#ifdef FRACFIT_MATIO
+#include <dlfcn.h>
 #include <matio.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -17,7 +21,7 @@
 
 namespace io {
 
-#ifdef FRACFIT_HAS_MATIO
+#ifdef FRACFIT_MATIO
 namespace {
 
 struct Vector {
@@ -26,12 +30,29 @@ struct Vector {
   bool is_complex = false;
 };
 
-struct CloseFile {
-  void operator()(mat_t* file) const { Mat_Close(file); }
+/// The functions of libmatio that are called here, under the types of its header.
+struct Matio {
+  decltype(&Mat_Open) open = nullptr;
+  decltype(&Mat_Close) close = nullptr;
+  decltype(&Mat_VarReadNextInfo) read_next_info = nullptr;
+  decltype(&Mat_VarReadDataAll) read_data = nullptr;
+  decltype(&Mat_VarFree) free = nullptr;
 };
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
+
+// FRACFIT_MATIO is the name under which the library that the build found is loaded.  It stays loaded.
+Matio loaded_matio(const std::string& file) {
+  Matio matio;
+  void* library = ::dlopen(FRACFIT_MATIO, RTLD_NOW | RTLD_LOCAL);
+  const auto find = [library](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
+    return function != nullptr;
+  };
+  if (library == nullptr || !find(matio.open, "Mat_Open") || !find(matio.close, "Mat_Close") ||
+      !find(matio.read_next_info, "Mat_VarReadNextInfo") || !find(matio.read_data, "Mat_VarReadDataAll") ||
+      !find(matio.free, "Mat_VarFree"))
+    throw DataError(file, 0, 0, std::string("is a MAT-file, and libmatio, which reads them, fails: ") + ::dlerror());
+  return matio;
+}
 
 template <typename Number>
 void append(const matvar_t& variable, std::size_t count, Vector& vector) {
@@ -47,8 +68,9 @@ void append(const matvar_t& variable, std::size_t count, Vector& vector) {
   }
 }
 
-// libmatio reads files alone; what came through a pipe has become bytes already.
+// libmatio reads from files alone; what came through a pipe has become bytes already.
 std::vector<Vector> vectors_in(const Source& source) {
+  const Matio matio = loaded_matio(source.file);
   constexpr std::size_t most_values = 10'000'000;
   const Descriptor memory(::memfd_create("matlab", MFD_CLOEXEC));
   for (std::string_view rest = source.bytes; !rest.empty();) {
@@ -57,16 +79,16 @@ std::vector<Vector> vectors_in(const Source& source) {
     rest.remove_prefix(static_cast<std::size_t>(written));
   }
   const std::string path = "/proc/self/fd/" + std::to_string(memory.number());
-  const std::unique_ptr<mat_t, CloseFile> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  const std::unique_ptr<mat_t, decltype(matio.close)> file(matio.open(path.c_str(), MAT_ACC_RDONLY), matio.close);
   if (!file) throw DataError(source.file, 0, 0, "is a damaged MAT-file");
   std::vector<Vector> vectors;
-  while (const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarReadNextInfo(file.get())}) {
+  while (const std::unique_ptr<matvar_t, decltype(matio.free)> variable{matio.read_next_info(file.get()), matio.free}) {
     const bool is_number = variable->class_type == MAT_C_DOUBLE || variable->class_type == MAT_C_SINGLE;
     if (!is_number || variable->rank != 2 || variable->name == nullptr) continue;
     const std::size_t rows = variable->dims[0], columns = variable->dims[1];
     if ((rows != 1 && columns != 1) || rows == 0 || columns == 0 || rows > most_values || columns > most_values)
       continue;
-    if (Mat_VarReadDataAll(file.get(), variable.get()) != 0 || variable->data == nullptr)
+    if (matio.read_data(file.get(), variable.get()) != 0 || variable->data == nullptr)
       throw DataError(source.file, 0, 0, "is damaged: variable " + quoted(variable->name) + " cannot be read");
     Vector vector{variable->name, {}, variable->isComplex != 0};
     if (variable->class_type == MAT_C_DOUBLE)
