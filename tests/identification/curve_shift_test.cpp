@@ -56,10 +56,10 @@ JointFitOptions shifting(bool vertical) {
   return options;
 }
 
-const ParameterEstimate& named(const JointCurveResult& curve, const std::string& name) {
+const ParameterEstimate& named(const JointCurveResult& curve, std::string_view name) {
   for (const ParameterEstimate& each : curve.parameters)
     if (each.name == name) return each;
-  throw std::logic_error("no " + name);
+  throw std::logic_error("no " + std::string(name));
 }
 
 TEST(CurveShift, PutsTheFactorsBesideEachS) {

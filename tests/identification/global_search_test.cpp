@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/model_library.hpp"
 
 namespace {
 
@@ -174,6 +175,43 @@ TEST(ConfidenceOfOptimum, IsUnknownAfterALocalSolveAndCertainForAnExactFit) {
   options.global_start = false;
   options.constraints = {{"K", {}, {}, {}, 1}, {"T", {}, {}, {}, 1}, {"a", {}, {}, {}, 0.5}};
   EXPECT_TRUE(std::isnan(frac::fit(data, structure, options).confidence_of_optimum));
+}
+
+// 1/(M s^2) + d + c/s is linear in 1/M, d and c, but from one sign of M to the other the way leads through infinity.  Of
+// these data, which have no inertia, either sign comes; the least squares are solved by hand, and 1e-6 is what a cost that
+// has settled to 1e-10 leaves of rms.
+TEST(GlobalSearch, CrossesFromOneSignOfAnInertiaToTheOther) {
+  const frac::NamedModel model = frac::find_model("inertia-and-integrator");
+  const Structure structure(model.formula);
+  FitOptions options;
+  options.component = Component::both;
+  options.weight = frac::Weight::relative;
+  options.constraints = model.constraints;
+  std::set<bool> signs;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const double order = (seed % 2 == 0 ? 1 : -1) * (0.25 + 0.05 * static_cast<double>(seed));
+    const FrequencyResponseData data = noisy("K s^a/(T s^a + 1)", {2, order, 0.7}, 1e-2, 1e2, 0.01,
+                                             seed);
+    double w0 = 0, w1 = 0, w2 = 0, g0 = 0, g1 = 0, h1 = 0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const std::complex<double> value = data.value()[i];
+      const double x = 1 / (data.omega()[i] * data.omega()[i]), weight = 1 / std::norm(value);
+      w0 += weight, w1 += weight * x, w2 += weight * x * x;
+      g0 += weight * value.real(), g1 += weight * x * value.real(), h1 += weight * value.imag() / data.omega()[i];
+    }
+    const double inverse_mass = (w1 * g0 - w0 * g1) / (w0 * w2 - w1 * w1);
+    const double d = (g0 + inverse_mass * w1) / w0, c = -h1 / w1;
+    double squares = 0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double omega = data.omega()[i];
+      const std::complex<double> fitted(d - inverse_mass / (omega * omega), -c / omega);
+      squares += std::norm(fitted - data.value()[i]) / std::norm(data.value()[i]);
+    }
+    const FitResult result = frac::fit(data, structure, options);
+    EXPECT_NEAR(result.rms / std::sqrt(squares / static_cast<double>(2 * data.size())), 1, 1e-6) << "seed " << seed;
+    signs.insert(inverse_mass > 0);
+  }
+  EXPECT_EQ(signs.size(), 2U);
 }
 
 }  // namespace

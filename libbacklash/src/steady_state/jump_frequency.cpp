@@ -36,6 +36,12 @@ double constant_at(double gamma) {
   return 1 / std::sqrt(gamma);
 }
 
+/// What happens at the end of an orbit, and what that means without dissipation.
+std::string told(const std::string& end, double restitution) {
+  if (restitution != 1) return end;
+  return end + "; without dissipation it is neutrally stable above, and no motion is attracted to it";
+}
+
 JumpFrequency two_impact_loss(double restitution) {
   if (restitution == 0) return {std::nullopt, std::string(sticks)};
   const detail::TwoImpactLoss loss = detail::two_impact_loss(restitution);
@@ -52,20 +58,16 @@ JumpFrequency two_impact_loss(double restitution) {
       message = orbit + " meets an unstable one and vanishes";
       break;
   }
-  if (restitution == 1)
-    message += "; without dissipation it is neutrally stable above, and no motion is attracted to it";
-  return {constant_at(loss.gamma), message};
+  return {constant_at(loss.gamma), told(message, restitution)};
 }
 
 JumpFrequency symmetry_loss(double restitution) {
   if (restitution == 0) return {std::nullopt, std::string(sticks) + ", and the motion stays symmetric"};
   const detail::SymmetryLoss loss = detail::symmetry_loss(restitution);
-  std::string message =
+  const char* message =
       loss.grazing ? "the symmetric two-impact orbit grazes a wall before its symmetry would break: an extra impact"
                    : "the symmetric two-impact orbit breaks its symmetry (pitchfork)";
-  if (restitution == 1)
-    message += "; without dissipation it is neutrally stable above, and no motion is attracted to it";
-  return {constant_at(loss.gamma), message};
+  return {constant_at(loss.gamma), told(message, restitution)};
 }
 
 JumpFrequency saddle_node(double restitution) {

@@ -167,7 +167,7 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, de
   }
 }
 
-/// Times the best cost beyond which a candidate is no rival whatever a thorough search would find: evidence of 300, of
+/// Times the best cost beyond which a candidate is no rival whatever its intervals: evidence of 300, of
 /// which correlated residuals may leave a tenth, or ten times where so few residuals give less.
 double by_far(std::size_t residuals) {
   return std::clamp(std::exp(300 / static_cast<double>(residuals)), 1.5, 10.0);
@@ -224,7 +224,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   std::vector<Outcome> outcomes;
   outcomes.reserve(models.size() + curves.size());
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
-  // Families first: presets that miss by far more than they do need no thorough search.
+  // Families first: presets that miss by far more than they do need no walk beyond their optimum, and no profiles.
   const auto first_preset = std::stable_partition(outcomes.begin(), outcomes.end(),
                                                   [](const Outcome& outcome) { return outcome.model.is_family(); });
   const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());

@@ -74,17 +74,20 @@ struct EventPlan {
     weight.setZero(filled(states() + inputs + 1), filled(columns));
     // Of the output's rate of change: the rate of a state is that of its node times it and what it takes.
     Eigen::VectorXd motion = Eigen::VectorXd::Zero(weight.rows());
+    const auto put = [&](Eigen::Index at, const auto& row) {
+      for (Eigen::Index k = 0; k < columns; ++k) weight(at, k) = row[k];
+    };
     const auto set = [&](Eigen::Index node, const auto& term) {
       const auto i = static_cast<std::size_t>(node);
       rate[i] = term.rate;
       is_direct[i] = term.is_direct;
       const auto& row = row_of(term.weight);
       const std::complex<double> moved = row[0] * term.rate;
-      weight.row(node).head(columns) = row.real().matrix();
+      put(node, row.real());
       motion[node] = moved.real();
       motion[states() + (term.is_direct ? static_cast<Eigen::Index>(integrators) : 0)] += moved.real();
       if (node < real_count) return;
-      weight.row(node + complex_count).head(columns) = -row.imag().matrix();
+      put(node + complex_count, -row.imag());
       motion[node + complex_count] = -moved.imag();
     };
     Eigen::Index node = 0;
@@ -92,10 +95,10 @@ struct EventPlan {
     node = real_count;
     for (auto term = complex_terms; term != terms.end(); ++term) set(node++, *term);
     for (Eigen::Index j = 0; j < inputs; ++j) {
-      weight.row(states() + j).head(columns) = row_of(constants[static_cast<std::size_t>(j)]).matrix();
+      put(states() + j, row_of(constants[static_cast<std::size_t>(j)]));
       if (j > 0) motion[states() + j] += weight(states() + j - 1, 0);
     }
-    weight.row(states() + inputs).head(columns) = row_of(direct).matrix();
+    put(states() + inputs, row_of(direct));
     // A longer dead time moves the output back.
     for (std::size_t p = 0; p < delay_slope.size(); ++p) {
       weight.col(static_cast<Eigen::Index>(p) + 1) -= delay_slope[p] * motion;

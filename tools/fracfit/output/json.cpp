@@ -35,6 +35,12 @@ Json converted(const nlohmann::ordered_json& parsed) {
 
 }  // namespace
 
+Json::Json(const Json&) = default;
+Json::Json(Json&&) noexcept = default;
+Json& Json::operator=(const Json&) = default;
+Json& Json::operator=(Json&&) noexcept = default;
+Json::~Json() = default;
+
 Json::Json(std::initializer_list<Json> entries) {
   const bool is_object = std::all_of(entries.begin(), entries.end(), [](const Json& entry) {
     const Array* pair = entry.entries();

@@ -24,6 +24,12 @@ class Json {
   using Object = std::vector<std::pair<std::string, Json>>;
 
   Json(std::nullptr_t = nullptr) {}
+  // Compiled once: as part of each caller they are most of its code.
+  Json(const Json&);
+  Json(Json&&) noexcept;
+  Json& operator=(const Json&);
+  Json& operator=(Json&&) noexcept;
+  ~Json();
   Json(bool value) : value_(value) {}
   Json(double value) : value_(value) {}
   template <std::signed_integral Whole>
