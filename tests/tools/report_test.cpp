@@ -205,9 +205,9 @@ TEST(WriteReport, AnImaginaryPartAloneIsFittedAndDrawnAlone) {
   const FileReport report("loss.csv", csv);
   expect_complete(report.path(), report.outcome().pictures);
   EXPECT_NE(report.page().find("so that the imaginary part alone is fitted"), std::string::npos);
-  // Values of six digits, and imaginary parts down to a tenth of the largest: T and a hold four.
-  EXPECT_NEAR(report.parameter("fractional-lag", "T"), 0.5, 5e-4);
-  EXPECT_NEAR(report.parameter("fractional-lag", "a"), 0.7, 7e-4);
+  // Six digits are rounded by 5e-6 of a value at most, and 40 of them tell T and a to less than twice that.
+  EXPECT_NEAR(report.parameter("K/(T s^a + 1)", "T"), 0.5, 1e-5);
+  EXPECT_NEAR(report.parameter("K/(T s^a + 1)", "a"), 0.7, 1e-5);
   const io::TextTable curves(report.path("tables/data-1-curves.csv"));
   std::set<std::string> columns;
   for (const auto& field : curves.header()) columns.emplace(field.text);
