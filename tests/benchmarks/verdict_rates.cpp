@@ -270,6 +270,7 @@ int main(int argc, char** argv) {
   frac::parallel_for(cases.size(), std::stoi(given["--threads"]), [&](std::size_t i) {
     frac::FitOptions options;
     options.component = cases[i].component;
+    options.weight = frac::Weight::relative;
     const auto begin = std::chrono::steady_clock::now();
     try {
       const auto result = frac::identify(cases[i].data, candidates, {}, options, 1);

@@ -60,6 +60,7 @@ double run(const Problem& problem, std::size_t points, double noise, frac::Compo
   const frac::FrequencyResponseData data = sample(problem, points, noise);
   frac::FitOptions options;
   options.component = component;
+  options.weight = frac::Weight::relative;
   options.global_start = global;
   for (std::size_t i = 0; i < problem.parameters.size() && !global; ++i) {
     options.constraints.push_back({structure.parameter_names()[i], {}, {}, {}, problem.parameters[i] * off});

@@ -58,6 +58,7 @@ frac::FrequencyResponseData noisy(const Problem& problem, double noise, std::uin
 frac::FitOptions options_for(const Problem& problem, frac::Component component, bool from_truth) {
   frac::FitOptions options;
   options.component = component;
+  options.weight = frac::Weight::relative;
   options.global_start = !from_truth;
   const frac::Structure structure(problem.formula);
   for (std::size_t i = 0; i < problem.parameters.size() && from_truth; ++i) {

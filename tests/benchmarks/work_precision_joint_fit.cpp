@@ -158,6 +158,7 @@ Scene temperatures(std::mt19937_64& generator) {
 void coverages(int trials) {
   JointFitOptions options;
   options.fit.component = Component::both;
+  options.fit.weight = Weight::relative;
   options.threads = 1;
   std::vector<std::vector<double>> one_own, three_own;
   for (int c = 0; c < 5; ++c) {

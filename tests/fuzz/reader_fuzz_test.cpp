@@ -66,6 +66,7 @@ TEST(ReaderFuzz, DamagedTablesAreReadOrRefused) {
     io::FrequencyResponseReadOptions options;
     if (random.below(3) == 0) options.where.emplace_back("remark!=some");
     options.phase_may_miss = random.below(2) == 0;
+    options.real_may_miss = i % 2 == 0;
     bool read = false;
     ASSERT_NO_THROW(read = takes([&] { static_cast<void>(io::read_frequency_response(file, options)); })) << text;
     taken += read ? 1 : 0;

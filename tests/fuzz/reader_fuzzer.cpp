@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   take([] { static_cast<void>(io::read_frequency_response(file)); });
   take([] {
     io::FrequencyResponseReadOptions options;
-    options.phase_may_miss = options.magnitude_may_miss = true;
+    options.phase_may_miss = options.magnitude_may_miss = options.real_may_miss = true;
     options.where.emplace_back("a==b");
     static_cast<void>(io::read_frequency_response(file, options));
   });

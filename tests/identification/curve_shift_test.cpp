@@ -51,6 +51,7 @@ std::vector<JointCurve> temperatures(double noise, std::uint64_t seed, bool vert
 JointFitOptions shifting(bool vertical) {
   JointFitOptions options;
   options.fit.component = Component::both;
+  options.fit.weight = Weight::relative;
   options.shared = {"E0", "E1", "T", "a"};
   options.shift = CurveShift{2, vertical};
   return options;

@@ -43,6 +43,12 @@ FitOptions both() {
   return options;
 }
 
+FitOptions imaginary() {
+  FitOptions options;
+  options.component = Component::imaginary;
+  return options;
+}
+
 const ParameterEstimate& of(const FitResult& result, const std::string& name) {
   return *std::find_if(result.parameters.begin(), result.parameters.end(),
                        [&](const ParameterEstimate& estimate) { return estimate.name == name; });
@@ -83,7 +89,7 @@ TEST(HardCases, FivePointsForFiveParameters) {
     EXPECT_EQ(std::isnan(of(result, "b0").standard_error), component == Component::imaginary);
   }
   // One less than parameters is refused.
-  EXPECT_THROW((void)frac::fit(sampled(furnace, furnace_truth, {0.1, 1, 2, 10}), Structure(furnace), FitOptions{}),
+  EXPECT_THROW((void)frac::fit(sampled(furnace, furnace_truth, {0.1, 1, 2, 10}), Structure(furnace), imaginary()),
                std::invalid_argument);
 }
 
@@ -97,7 +103,7 @@ TEST(HardCases, AllValuesEqual) {
   const auto ranked = frac::identify(data, frac::model_library(), {}, both());
   EXPECT_EQ(ranked.ranking[ranked.chosen].name, "gain");
   EXPECT_EQ(ranked.verdict, frac::Verdict::fractional_not_supported);
-  const FitResult nothing = frac::fit(data, Structure("K/(T s^a + 1)"), FitOptions{});
+  const FitResult nothing = frac::fit(data, Structure("K/(T s^a + 1)"), imaginary());
   EXPECT_NE(nothing.message.find("imaginary part of the data is 0 everywhere"), std::string::npos) << nothing.message;
 }
 
@@ -114,7 +120,7 @@ TEST(HardCases, ExactlyAPowerLaw) {
 // -1/omega + omega/2 crosses 0 at sqrt 2; weighing by |Im| there would blow up.
 TEST(HardCases, ImaginaryPartChangesItsSign) {
   const auto data = sampled("1/(C s) + R + L s", {1, 0.5, 0.5}, log_grid(1e-2, 1e2, 80), 0.01);
-  const FitResult result = frac::fit(data, Structure("1/(C s) + R + L s"), FitOptions{});
+  const FitResult result = frac::fit(data, Structure("1/(C s) + R + L s"), imaginary());
   expect_recovered(result, "C", 1);
   expect_recovered(result, "L", 0.5);
   EXPECT_TRUE(of(result, "R").from_other_component);

@@ -138,6 +138,7 @@ TEST(RelativeWeight, ReportsTheFactorThatUndoesItsBias) {
     for (int trial = 0; trial < trials; ++trial) {
       frac::FitOptions options;
       options.component = component;
+      options.weight = frac::Weight::relative;
       options.constraints = from_truth(problem);
       options.global_start = false;
       const frac::FitResult result =

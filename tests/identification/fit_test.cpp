@@ -185,6 +185,7 @@ TEST(Fit, ThroughGrunwaldLetnikovFindsTheDeployedOrder) {
 TEST(Fit, TakesWhatTheImaginaryPartCannotSeeFromTheRealPart) {
   const FrequencyResponseData data = sample("1/(M s^2) + d + c s^q", {-2, 0.03, 0.004, 0.6}, log_grid(5, 35, 80));
   FitOptions options;
+  options.component = Component::imaginary;
   for (const char* name : {"M", "d", "c"}) options.constraints.push_back({name, {}, -infinity, {}, {}});
   const FitResult result = frac::fit(data, Structure("1/(M s^2) + d + c s^q"), options);
   EXPECT_NEAR(value_of(result, "q"), 0.6, 1e-8);
@@ -203,6 +204,8 @@ TEST(Fit, ParametersGiveTheCostEvenWhereOneVanishes) {
   std::vector<std::complex<double>> value;
   for (const double w : omega) value.emplace_back(-1 / (2 * w * w), 0.0005 * std::pow(w, 0.46));
   FitOptions options;
+  options.component = Component::imaginary;
+  options.weight = Weight::relative;
   options.constraints = {{"K", {}, -infinity, {}, {}}};
   const FitResult result = frac::fit({omega, value}, Structure("K/(b2 s^2 + b1 s + 1)"), options);
   const auto model = frac::fitted_response(result, frac::ExactRealisation{}, omega);
@@ -308,7 +311,7 @@ TEST(Fit, CostIsThePlainSumOfSquares) {
   std::vector<std::complex<double>> value;
   for (const double w : omega) value.push_back(1.0 / std::complex<double>(1, w) + 0.05);
   FitOptions options;
-  options.component = Component::both;
+  options.weight = Weight::relative;
   const FitResult result = frac::fit({omega, value}, Structure("K/(T s + 1)"), options);
   const auto model = frac::fitted_response(result, frac::ExactRealisation{}, omega);
   double cost = 0;
@@ -400,6 +403,38 @@ TEST(Fit, RefusesContradictionsByName) {
   expect_contains(refusal(data, "K/(T s^a + 1)", sampled), "memory of 1000000");
   expect_contains(refusal({{1.0}, {{1, 1}}}, "K/(T s^a + 1)", {}), "cannot determine 3");
   expect_contains(refusal({{1.0, 2.0}, {{1, 1}, {0, 0}}}, "K", {}), "omega = 2");
+}
+
+// Of a response without real part only the imaginary one is data: a constant that goes with it stays unknown, where
+// zeros taken as data would call it 0.
+TEST(Fit, DataWithoutRealPartAreThoseOfTheImaginaryPart) {
+  const FrequencyResponseData lag = sample("2/(0.5 s + 1)", {}, log_grid(1e-2, 1e2, 40));
+  std::vector<std::complex<double>> imaginary, real, none(lag.size(), 0.0);
+  for (const auto& value : lag.value()) {
+    imaginary.emplace_back(0, value.imag());
+    real.emplace_back(value.real(), 0);
+  }
+  const FrequencyResponseData without_real(lag.omega(), imaginary);
+  EXPECT_EQ(frac::fitted_component(without_real, Component::both), Component::imaginary);
+  EXPECT_EQ(frac::fitted_component(lag, Component::both), Component::both);
+  EXPECT_EQ(frac::fitted_component({lag.omega(), real}, Component::both), Component::both);
+  EXPECT_EQ(frac::fitted_component({lag.omega(), none}, Component::both), Component::both);
+  std::vector<std::complex<double>> nearly = imaginary;
+  nearly[7] += 1e-300;
+  EXPECT_EQ(frac::fitted_component({lag.omega(), nearly}, Component::both), Component::both);
+  // What is asked for by its name stays.
+  for (const Component component : {Component::imaginary, Component::real, Component::magnitude, Component::phase})
+    EXPECT_EQ(frac::fitted_component(without_real, component), component);
+
+  FitOptions options;
+  options.component = frac::fitted_component(without_real, options.component);
+  const FitResult result = frac::fit(without_real, Structure("R + K/(T s + 1)"), options);
+  ASSERT_TRUE(result.usable()) << result.message;
+  // Exact data, as in RecoversExactData.
+  EXPECT_NEAR(value_of(result, "K"), 2, 2e-8);
+  EXPECT_NEAR(value_of(result, "T"), 0.5, 5e-9);
+  EXPECT_FALSE(estimate_of(result, "R").identified);
+  EXPECT_FALSE(estimate_of(result, "R").from_other_component);
 }
 
 TEST(Fit, EnumNamesRoundTrip) {

@@ -187,6 +187,7 @@ TEST(Fit, OfAPresetIsNoWorseThanOfOneThatItContains) {
   const auto cost_of = [&](const char* name) {
     const frac::NamedModel model = frac::find_model(name);
     frac::FitOptions options = support::both_parts();
+    options.weight = frac::Weight::relative;  // of which costs are comparable, where a learned floor is each fit's own
     options.constraints = model.constraints;
     return frac::fit(data, frac::Structure(model.formula), options).cost;
   };

@@ -33,6 +33,7 @@ std::vector<JointCurve> lags(std::size_t count, int points, double noise, std::m
 JointFitOptions sharing(std::vector<std::string> names) {
   JointFitOptions options;
   options.fit.component = Component::both;
+  options.fit.weight = Weight::relative;
   options.shared = std::move(names);
   return options;
 }

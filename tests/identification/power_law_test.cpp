@@ -117,6 +117,7 @@ TEST(ComponentPowerLaw, AgreesWithTheRegressionOfLogarithmsWhateverTheOtherPart)
       const frac::NamedModel model = frac::component_power_law(component);
       frac::FitOptions options;
       options.component = component;
+      options.weight = frac::Weight::relative;
       options.constraints = model.constraints;
       const auto fit =
           frac::fit(frac::component_alone({omega, value}, component), frac::Structure(model.formula), options);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits against truths, the command line and scipy."""
 
+import inspect
 import os
 import pickle
 
@@ -36,7 +37,7 @@ def test_bits_of_the_command_line(cell):
     same_as_command_line(command_line.json_of("fit", CELL, "--model", CIRCUIT, "--component", "both"), cell)
     plain = fracfit.fit(fracfit.read(CELL, where="f<1"), "cole-cole", component="imaginary", weight="absolute", seed=3)
     found = command_line.json_of(
-        "fit", CELL, "--model", "cole-cole", "--where", "f<1", "--weight", "absolute", "--seed", 3
+        "fit", CELL, "--model", "cole-cole", "--component", "imaginary", "--where", "f<1", "--weight", "absolute", "--seed", 3
     )
     same_as_command_line(found, plain)
     held = fracfit.fit(fracfit.read(CELL), CIRCUIT, fixed={"R0": 0.02}, bounds={"n1": (None, 1)}, start={"R1": 0.03})
@@ -44,6 +45,41 @@ def test_bits_of_the_command_line(cell):
         "fit", CELL, "--model", CIRCUIT, "--component", "both", "--fix", "R0=0.02", "--bound", "n1=:1", "--start", "R1=0.03"
     )
     same_as_command_line(found, held)
+
+
+def test_defaults_are_those_of_the_command_line(cell):
+    options = command_line.json_of("fit", CELL, "--model", CIRCUIT)["options"]
+    assert (options["component"], options["weight"]) == ("both", "learned")
+    for function in (fracfit.fit, fracfit.identify):
+        for name in ("component", "weight"):
+            assert inspect.signature(function).parameters[name].default == options[name]
+    assert cell.component == "both"
+    # Of many at once as of one.
+    assert fracfit.batch([fracfit.read(CELL)], CIRCUIT)[0] == cell
+
+
+def test_data_without_a_real_part_are_fitted_by_the_imaginary_one(tmp_path):
+    omega = np.logspace(-1, 2, 30)
+    imaginary = Model("2/(0.5 s + 1)")(1j * omega).imag
+    path = tmp_path / "alone.csv"
+    np.savetxt(path, np.column_stack([omega, imaginary]), header="omega_rad_s,im", delimiter=",", comments="")
+    read = fracfit.read(path)
+    assert "no column holds a real part" in read.metadata["notes"]
+    for data in (FrequencyResponse(omega, 1j * imaginary), read):
+        with pytest.warns(UserWarning, match="the imaginary part alone is fitted"):
+            found = fracfit.fit(data, "K/(T s + 1)")
+        assert found.component == "imaginary" and found.residuals == 30
+        # Written and read with 18 digits; the search stops some decades above rounding.
+        assert found["K"] == pytest.approx(2, rel=1e-6) and found["T"] == pytest.approx(0.5, rel=1e-6)
+        # What follows from the fit is of the same component.
+        assert found == fracfit.batch([data], "K/(T s + 1)")[0]
+        low, high = found.profile("T")
+        assert low <= found["T"] <= high
+        with pytest.warns(UserWarning, match="the imaginary part alone is fitted"):
+            ranking = fracfit.identify(data, ["lag", "gain"])
+        assert ranking.component == ranking.best.component == "imaginary"
+        assert found == fracfit.fit(data, "K/(T s + 1)", component="imaginary")
+        assert fracfit.fit(data, "K/(T s + 1)", component="real").usable is False
 
 
 def test_a_formula_is_the_preset_that_it_is():

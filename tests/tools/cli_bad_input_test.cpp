@@ -187,7 +187,7 @@ TEST_F(FitFailure, BadFilesAreNamedWithPlace) {
 }
 
 TEST_F(FitFailure, TooFewPointsAreSaidSo) {
-  expect({"--model", "power-law"}, 2, "1", "f_Hz,re,im\n1,2,3\n");
+  expect({"--model", "K/(T s^a + 1)"}, 2, "2 residuals cannot determine 3 free parameters", "f_Hz,re,im\n1,2,3\n");
 }
 
 TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {

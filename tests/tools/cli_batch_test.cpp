@@ -286,9 +286,9 @@ TEST_F(Batch, NoCurveThatCanBeReadIsExitCodeThree) {
 }
 
 TEST_F(Batch, NoFitAtAllIsExitCodeOne) {
-  // Read, but too few points for two parameters.
+  // Read, but the two parts of one point are too few for three parameters.
   const auto short_file = folder.write("short.csv", "omega_rad_s,re,im\n1,1,1\n");
-  const auto result = run_fracfit({"batch", short_file, "--model", "power-law"});
+  const auto result = run_fracfit({"batch", short_file, "--model", "K/(T s^a + 1)"});
   EXPECT_EQ(result.code, 1) << result.output;
   EXPECT_NE(result.error.find("1 of 1 curves gave no result"), std::string::npos) << result.error;
 }

@@ -374,7 +374,7 @@ TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
   const auto data = folder.write("data.csv", power_law_data());
   const auto first = successful_json({"identify", data, "--models", "power-law,gain"});
   EXPECT_EQ(first["command"], "fracfit identify " + data +
-                                  " --models power-law,gain --component imaginary --weight learned --loss none "
+                                  " --models power-law,gain --component both --weight learned --loss none "
                                   "--realisation exact --seed 1 --outliers leave-out");
   const auto csv = successful({"identify", data, "--models", "power-law,gain", "--format", "csv"});
   EXPECT_EQ(entry_of(csv, "command"), first["command"]);

@@ -353,6 +353,52 @@ TEST_F(FrequencyResponseFileTest, MagnitudeOrPhaseAloneIsReadOnlyWhereTheOtherMa
   EXPECT_TRUE(angles.notes.empty());
 }
 
+TEST_F(FrequencyResponseFileTest, AnImaginaryPartAloneIsReadOnlyWhereTheRealOneMayMiss) {
+  const std::string alone = "omega_rad_s,-im_ohm,sigma_ohm\n1,2,0.1\n2,-3,0.2\n";
+  expect_error(alone, 1, 1, "no real part");
+  io::FrequencyResponseReadOptions options;
+  options.real_may_miss = true;
+  const auto file = read(alone, options);
+  EXPECT_EQ(file.data.value(), (std::vector<std::complex<double>>{-2i, 3i}));
+  EXPECT_EQ(file.data.sigma(), (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(file.value_unit, "ohm");
+  EXPECT_TRUE(file.real_is_missing);
+  EXPECT_TRUE(has_note(file, "no column holds a real part"));
+  expect_error("omega_rad_s,im_ohm,sigma_s\n1,2,0.1\n", 1, 20, "differs from 'ohm'", options);
+  // Several curves in columns.
+  options.curve = "b";
+  EXPECT_EQ(read("omega_rad_s,im_a,im_b\n1,2,3\n", options).data.value(), (std::vector<std::complex<double>>{3i}));
+  options.curve.clear();
+  // -1/N takes both parts of N.
+  options.quantity = backlash::Quantity::minus_inverse;
+  expect_error("omega_rad_s,im_m_per_n\n1,2\n", 0, 0, "holds no real part, without which -1/N is not known from N",
+               options);
+  options.quantity.reset();
+  // What is there is read.
+  const auto both = read("omega_rad_s,im,re\n1,2,3\n", options);
+  EXPECT_EQ(both.data.value().front(), 3.0 + 2i);
+  EXPECT_FALSE(both.real_is_missing);
+  const auto polar = read("omega_rad_s,im,magnitude,phase_deg\n1,7,2,0\n", options);
+  EXPECT_EQ(polar.data.value().front(), 2.0);
+}
+
+// Of a part that the file does not hold a condition asks for nothing.
+TEST_F(FrequencyResponseFileTest, AConditionOnAMissingRealPartIsRefused) {
+  io::FrequencyResponseReadOptions options;
+  options.real_may_miss = true;
+  for (const char* condition : {"re<1", "magnitude>0"}) {
+    options.where = {io::PointFilter(condition)};
+    try {
+      static_cast<void>(read("omega_rad_s,im\n1,2\n", options));
+      ADD_FAILURE() << "no error";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("no real part"), std::string::npos) << error.what();
+    }
+  }
+  options.where = {io::PointFilter("im<0")};
+  EXPECT_EQ(read("omega_rad_s,im\n1,2\n2,-1\n", options).data.size(), 1U);
+}
+
 TEST_F(FrequencyResponseFileTest, CurvesInColumnsAreToldApartByTheirLabels) {
   const std::string file = folder.write("columns.csv",
                                         "omega_rad_s,re_10,im_10,re_20,-im_20,sigma_20\n"

@@ -30,7 +30,7 @@ TEST_P(MeasuredCase, IsCalledWhatItIs) {
   io::FrequencyResponseReadOptions options;
   if (GetParam().capacitive_only) options.where.emplace_back("im<0");
   frac::FitOptions fit;
-  fit.component = frac::Component::both;
+  fit.weight = frac::Weight::relative;  // no part of these curves is so small that noise of another kind shows
   const frac::IdentificationResult result =
       frac::identify(io::read_frequency_response(path, options).data, frac::default_candidates(), {}, fit);
   if (GetParam().verdict == frac::Verdict::fractional_supported)
@@ -59,7 +59,7 @@ TEST(Growth, FollowsTheWholeLithiumCellAsCloselyAsTheStructureFoundByHand) {
   const frac::FrequencyResponseData data = io::read_frequency_response(path, {}).data;
   ASSERT_EQ(data.size(), 66u);
   frac::FitOptions fit;
-  fit.component = frac::Component::both;
+  fit.weight = frac::Weight::relative;
   const frac::Growth growth = frac::grow(data, frac::GrowthFamily::terms, fit);
   double least = 1;
   for (const frac::FitResult& member : growth.fits) {
@@ -79,7 +79,7 @@ TEST(Fit, ReachesTheBestCostOfTheLithiumCellFromEverySeed) {
   ASSERT_EQ(data.size(), 57u);
   const frac::Structure structure("R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + 1/(Q3 s^n3)");
   frac::FitOptions fit;
-  fit.component = frac::Component::both;
+  fit.weight = frac::Weight::relative;
   fit.constraints = {{"n1", {}, {}, 1, {}}, {"n2", {}, {}, 1, {}}, {"n3", {}, {}, 1, {}}};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     fit.seed = seed;

@@ -386,7 +386,9 @@ TEST_F(MeasurementTest, LossTangentsBesideModuliAndPermittivities) {
 }
 
 TEST_F(MeasurementTest, AnImaginaryPartAloneIsRefusedWithTheWay) {
-  refuses("f_Hz,im\n10,1\n", "of zeros, where --component imaginary");
+  refuses("f_Hz,im\n10,1\n",
+          "no real part among the columns f_Hz, im; expected a column re or re_<unit> beside the "
+          "imaginary part, or --component imaginary");
 }
 
 TEST_F(MeasurementTest, ResistanceAndReactanceOfABridge) {

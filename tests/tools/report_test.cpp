@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -194,6 +195,27 @@ std::string fractional_lag_csv() {
     text += line;
   }
   return text;
+}
+
+// Of data without a real part the report fits, draws and lists the imaginary one.
+TEST(WriteReport, AnImaginaryPartAloneIsFittedAndDrawnAlone) {
+  std::istringstream lines(fractional_lag_csv());
+  std::string csv, line;
+  while (std::getline(lines, line)) csv += line.substr(0, line.find(',')) + line.substr(line.rfind(',')) + "\n";
+  const FileReport report("loss.csv", csv);
+  expect_complete(report.path(), report.outcome().pictures);
+  EXPECT_NE(report.page().find("so that the imaginary part alone is fitted"), std::string::npos);
+  // Six digits are rounded by 5e-6 of a value at most, and 40 of them tell T and a to less than twice that.
+  EXPECT_NEAR(report.parameter("K/(T s^a + 1)", "T"), 0.5, 1e-5);
+  EXPECT_NEAR(report.parameter("K/(T s^a + 1)", "a"), 0.7, 1e-5);
+  const io::TextTable curves(report.path("tables/data-1-curves.csv"));
+  std::set<std::string> columns;
+  for (const auto& field : curves.header()) columns.emplace(field.text);
+  for (const char* drawn : {"im", "fit1_im", "residual_imaginary_percent"})
+    EXPECT_TRUE(columns.contains(drawn)) << drawn;
+  for (const char* none : {"re", "fit1_re", "magnitude", "phase_deg"}) EXPECT_FALSE(columns.contains(none)) << none;
+  EXPECT_EQ(report.script().find("Phase"), std::string::npos);
+  EXPECT_EQ(report.script().find("nan"), std::string::npos);
 }
 
 TEST(WriteReport, WritesAllNumbersAndSaysWhatToInstallWithoutGnuplot) {

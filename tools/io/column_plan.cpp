@@ -222,6 +222,12 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
       plan.second = *tangent;
       return;
     }
+  if (imaginary && options.real_may_miss && !magnitude && !phase && !tangent) {
+    plan.form = ValueForm::imaginary_alone;
+    plan.first = plan.second = *imaginary;
+    notes_.emplace_back("no column holds a real part, which stands as 0");
+    return;
+  }
   if (magnitude && options.phase_may_miss) {
     plan.form = ValueForm::magnitude_alone;
     plan.first = plan.second = *magnitude;
@@ -235,9 +241,7 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
   }
   if (real) fail_missing("imaginary part", "a column im or im_<unit> beside the real part");
   if (imaginary)
-    fail_missing("real part",
-                 "a column re or re_<unit> beside the imaginary part; of zeros, where --component imaginary alone is "
-                 "to be fitted");
+    fail_missing("real part", "a column re or re_<unit> beside the imaginary part, or --component imaginary");
   if (magnitude)
     fail_missing("phase", "a column phase_deg or phase_rad beside the magnitude, or --component magnitude");
   if (phase) fail_missing("magnitude", "a column magnitude or magnitude_db beside the phase, or --component phase");
@@ -258,7 +262,8 @@ void Planner::find_spread_column(ColumnPlan& plan, const FrequencyResponseReadOp
     plan.spread = weight;
     plan.spread_is_weight = true;
   }
-  if (plan.spread && !plan.spread_is_weight && plan.form == ValueForm::real_imaginary) {
+  const bool has_unit = plan.form == ValueForm::real_imaginary || plan.form == ValueForm::imaginary_alone;
+  if (plan.spread && !plan.spread_is_weight && has_unit) {
     const auto& unit = meanings_[*plan.spread].unit;
     if (!unit.empty() && unit != meanings_[plan.first].unit)
       fail_at(*plan.spread, "unit " + quoted(unit) + " differs from " + quoted(meanings_[plan.first].unit) +

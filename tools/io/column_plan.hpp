@@ -13,14 +13,22 @@
 
 namespace io {
 
-enum class ValueForm { real_imaginary, real_tangent, magnitude_phase, magnitude_tangent, magnitude_alone, phase_alone };
+enum class ValueForm {
+  real_imaginary,
+  real_tangent,
+  magnitude_phase,
+  magnitude_tangent,
+  imaginary_alone,
+  magnitude_alone,
+  phase_alone
+};
 
 // Which column feeds what.
 struct ColumnPlan {
   std::size_t frequency = 0;
   ValueForm form = ValueForm::real_imaginary;
-  std::size_t first = 0;   // real part or magnitude
-  std::size_t second = 0;  // imaginary part, phase or tangent of its angle
+  std::size_t first = 0;   // real part or magnitude, or what stands alone
+  std::size_t second = 0;  // imaginary part, phase or tangent of its angle, or what stands alone
   std::optional<std::size_t> spread;
   bool spread_is_weight = false;
 };

@@ -63,6 +63,11 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   std::vector<std::string> ignored;
   Planner planner(table, options.curve, measurement.how, is_of_instrument ? ignored : notes);
   const ColumnPlan plan = planner.plan(options);
+  const bool real_is_missing = plan.form == ValueForm::imaginary_alone;
+  for (const auto& filter : options.where)
+    if (real_is_missing && filter.is_on_real_part())
+      throw std::invalid_argument("--where " + quoted(filter.condition().text()) + ": " + table.file() +
+                                  " holds no real part");
   const RowReader reader(table, plan, planner);
   OneScene scene(table);
 
@@ -133,7 +138,8 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
           measurement.fingerprint,
           planner.other_sign(plan),
           backlash::Quantity::n,
-          planner.meaning(plan.first).symbol};
+          planner.meaning(plan.first).symbol,
+          real_is_missing};
 }
 
 FrequencyResponseFile read_curve(const Measurement& measurement, const Measurement::Sweep& sweep,
@@ -285,6 +291,10 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
 FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity, const std::string& name) {
   if (file.quantity == quantity) return file;
   const bool to_inverse = quantity == backlash::Quantity::minus_inverse;
+  if (file.real_is_missing)
+    throw DataError(name, 0, 0,
+                    std::string("holds no real part, without which ") +
+                        (to_inverse ? "-1/N is not known from N" : "N is not known from -1/N"));
   const auto converted = [&] {
     try {
       return backlash::minus_inverse(file.data);

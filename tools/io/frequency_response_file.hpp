@@ -24,8 +24,9 @@ struct FrequencyResponseReadOptions {
   std::optional<std::string> weight_column;
   /// A point is kept when all of these hold.  A row that one on a column leaves out is not read at all.
   std::vector<PointFilter> where;
-  /// A file without a phase (or without a magnitude) is read, its values having phase 0 (or magnitude 1).
-  bool phase_may_miss = false, magnitude_may_miss = false;
+  /// A file without a phase (or without a magnitude) is read, its values having phase 0 (or magnitude 1); one without a
+  /// real part is read with a note, its values having the real part 0.
+  bool phase_may_miss = false, magnitude_may_miss = false, real_may_miss = false;
   /// Read only the rows whose columns have these values.
   Metadata rows;
   /// Label of the curve to read, one of curve_labels() without a key column; empty where the file holds one.
@@ -50,7 +51,8 @@ struct FrequencyResponseFile {
   std::string other_sign = {};
   /// -1/N where the header says so, or the unit is N/m; else N, or any other response.
   backlash::Quantity quantity = backlash::Quantity::n;
-  std::string symbol = {};  // what the names of the columns speak of, see ColumnMeaning; empty: they do not tell
+  std::string symbol = {};       // what the names of the columns speak of, see ColumnMeaning; empty: they do not tell
+  bool real_is_missing = false;  // no column holds a real part
 };
 
 /// Reads a measured or simulated frequency response.
@@ -77,7 +79,7 @@ struct FrequencyResponseFile {
                                                             const FrequencyResponseReadOptions& options = {});
 
 /// The same file with the other quantity in it, with a note: values, sigma, unit and the entry of the header.
-/// @throws DataError  no point has one.
+/// @throws DataError  no point has one, or the real part is missing.
 [[nodiscard]] FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity,
                                                 const std::string& name);
 

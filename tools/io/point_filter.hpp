@@ -55,8 +55,14 @@ class PointFilter {
   /// True for a condition on a column, which the point does not tell.
   [[nodiscard]] bool operator()(double omega, std::complex<double> value) const;
   [[nodiscard]] const Condition& condition() const noexcept { return condition_; }
+  /// Whether it needs the real part.
+  [[nodiscard]] bool is_on_real_part() const noexcept {
+    const auto quantity = condition_.quantity();
+    return quantity && (*quantity == real || *quantity == magnitude);
+  }
 
  private:
+  enum Quantity : std::size_t { real, imaginary, magnitude, frequency, hertz };  // as the constructor lists them
   Condition condition_;
 };
 

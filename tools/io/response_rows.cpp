@@ -16,8 +16,9 @@ bool RowReader::read(const TextTable::Row& row, Points& points) const {
   const double omega = frequency * to_radians_per_second_;
   if (!(frequency > 0) || !(omega > 0) || !std::isfinite(omega))
     fail(row, plan_.frequency, "a frequency must be > 0 and finite in rad/s");
-  const std::complex<double> value =
-      plan_.form == ValueForm::real_imaginary || plan_.form == ValueForm::real_tangent ? cartesian(row) : polar(row);
+  const bool is_cartesian = plan_.form == ValueForm::real_imaginary || plan_.form == ValueForm::real_tangent ||
+                            plan_.form == ValueForm::imaginary_alone;
+  const std::complex<double> value = is_cartesian ? cartesian(row) : polar(row);
   points.omega.push_back(omega);
   points.value.push_back(value);
   if (!plan_.spread) return true;
@@ -60,7 +61,8 @@ double RowReader::number(const TextTable::Row& row, std::size_t field) const {
 
 std::complex<double> RowReader::cartesian(const TextTable::Row& row) const {
   if (plan_.form == ValueForm::real_tangent) return number(row, plan_.first) * by_tangent(row);
-  return {number(row, plan_.first), imaginary_sign_ * number(row, plan_.second)};
+  const double imaginary = imaginary_sign_ * number(row, plan_.second);
+  return {plan_.form == ValueForm::imaginary_alone ? 0 : number(row, plan_.first), imaginary};
 }
 
 std::complex<double> RowReader::by_tangent(const TextTable::Row& row) const {

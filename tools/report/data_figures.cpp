@@ -56,10 +56,11 @@ struct Modelled {
 
 class Drawing {
  public:
-  Drawing(std::string name, const frac::FrequencyResponseData& data, const frac::IdentificationResult& result,
-          Field field, const std::string& unit)
+  Drawing(std::string name, const frac::FrequencyResponseData& data, frac::Component component,
+          const frac::IdentificationResult& result, Field field, const std::string& unit)
       : name_(std::move(name)),
         data_(data),
+        imaginary_alone_(component == frac::Component::imaginary),
         chosen_(result.ranking.at(result.chosen)),
         field_(field),
         notation_(notation_of(field, unit, data.frequency_unit())),
@@ -78,6 +79,12 @@ class Drawing {
     Figure figure;
     figure.name = figure.link = name_;
     figure.caption = caption();
+    if (imaginary_alone_) {
+      figure.panels = {imaginary_part(), distance()};
+      figure.panels.front().key = true;
+      figure.panel_height = 230;
+      return figure;
+    }
     switch (field_) {
       case Field::impedance:
       case Field::admittance:
@@ -123,8 +130,14 @@ class Drawing {
     figure.name = name_ + "-residuals";
     figure.link = name_;
     figure.caption = prose("data", "residuals", {{"model", escape_html(chosen_.name)}});
-    figure.columns = 2;
     figure.panel_height = 220;
+    if (imaginary_alone_) {
+      figure.panels = {
+          panel("Imaginary part", "data/model − 1 in %", error_of_imaginary(), relative_widths_of_imaginary())};
+      figure.panels.back().key = true;
+      return figure;
+    }
+    figure.columns = 2;
     figure.panels = {panel("Magnitude", "|data|/|model| − 1 in %", magnitude_error(), half_widths(100, true)),
                      panel("Phase", "data − model in 1/100 rad", phase_error(), half_widths(100, false))};
     figure.panels.back().key = true;
@@ -140,6 +153,10 @@ class Drawing {
       columns.push_back(std::move(numbers));
     };
     const auto add_response = [&](const std::string& before, const Response& response) {
+      if (imaginary_alone_) {
+        add(before + "im", imaginary_of(response));
+        return;
+      }
       add(before + "re", each(response, [](auto z) { return z.real(); }));
       add(before + "im", each(response, [](auto z) { return z.imag(); }));
       add(before + "magnitude", each(response, [](auto z) { return std::abs(z); }));
@@ -153,8 +170,12 @@ class Drawing {
       add_response(before, fits_[i].response);
       add(before + "distance_percent", distance_of(fits_[i].response));
     }
-    add("residual_magnitude_percent", magnitude_error());
-    add("residual_phase_centirad", phase_error());
+    if (imaginary_alone_) {
+      add("residual_imaginary_percent", error_of_imaginary());
+    } else {
+      add("residual_magnitude_percent", magnitude_error());
+      add("residual_phase_centirad", phase_error());
+    }
     for (std::size_t row = 0; row < axis_.size(); ++row) {
       auto& cells = table.rows.emplace_back();
       for (const Values& column : columns) cells.emplace_back(column[row]);
@@ -164,6 +185,7 @@ class Drawing {
 
  private:
   [[nodiscard]] std::string caption() const {
+    if (imaginary_alone_) return prose("data", "imaginary-figure", {{"imaginary", notation_.imaginary}});
     switch (field_) {
       case Field::impedance:
       case Field::admittance:
@@ -300,6 +322,36 @@ class Drawing {
     return panel;
   }
 
+  [[nodiscard]] static Values imaginary_of(const Response& response) {
+    return each(response, [](auto z) { return z.imag(); });
+  }
+  // The part that is drawn may have either sign.
+  [[nodiscard]] Panel imaginary_part() const {
+    Panel panel = over_frequency("Imaginary part", {in_unit(notation_.imaginary), false});
+    const auto drawn = [&](const Response& response) {
+      return each(response, [&](auto z) { return notation_.sign * z.imag(); });
+    };
+    panel.curves.push_back(band(band_label(), band_colour, drawn(model_), widths_of_imaginary()));
+    add_curves(panel, drawn);
+    return panel;
+  }
+  [[nodiscard]] Values widths_of_imaginary() const {
+    Values widths;
+    for (const auto& deviation : deviation_) widths.push_back(student_ * deviation.imaginary);
+    return widths;
+  }
+  [[nodiscard]] Values relative_widths_of_imaginary() const {
+    Values widths = widths_of_imaginary();
+    for (std::size_t i = 0; i < axis_.size(); ++i) widths[i] *= 100 / std::abs(model_[i].imag());
+    return widths;
+  }
+  [[nodiscard]] Values error_of_imaginary() const {
+    Values errors;
+    for (std::size_t i = 0; i < axis_.size(); ++i)
+      errors.push_back(100 * (data_.value()[i].imag() / model_[i].imag() - 1));
+    return errors;
+  }
+
   [[nodiscard]] Panel loss_factor() const {
     Panel panel = over_frequency("Loss factor", {notation_.imaginary + "/" + notation_.real, true});
     add_curves(panel, [&](const Response& response) {
@@ -310,8 +362,11 @@ class Drawing {
 
   [[nodiscard]] Values distance_of(const Response& model) const {
     Values distance;
-    for (std::size_t i = 0; i < axis_.size(); ++i)
-      distance.push_back(positive(100 * std::abs(model[i] - data_.value()[i]) / std::abs(data_.value()[i])));
+    for (std::size_t i = 0; i < axis_.size(); ++i) {
+      const std::complex<double> apart = model[i] - data_.value()[i];
+      const double by = imaginary_alone_ ? std::abs(apart.imag()) : std::abs(apart);
+      distance.push_back(positive(100 * by / std::abs(data_.value()[i])));
+    }
     return distance;
   }
 
@@ -344,6 +399,7 @@ class Drawing {
 
   std::string name_;
   const frac::FrequencyResponseData& data_;
+  bool imaginary_alone_;
   const frac::RankedFit& chosen_;
   Field field_;
   Notation notation_;
@@ -357,8 +413,9 @@ class Drawing {
 }  // namespace
 
 MeasuredPictures draw_measured(const std::string& name, const frac::FrequencyResponseData& data,
-                               const frac::IdentificationResult& result, Field field, const std::string& unit) {
-  const Drawing drawing(name, data, result, field, unit);
+                               frac::Component component, const frac::IdentificationResult& result, Field field,
+                               const std::string& unit) {
+  const Drawing drawing(name, data, component, result, field, unit);
   MeasuredPictures pictures{drawing.response(), drawing.residuals(), drawing.values()};
   pictures.response.verdict = verdict_html(result);
   return pictures;

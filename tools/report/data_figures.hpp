@@ -18,11 +18,12 @@ struct MeasuredPictures {
   Table values;      // every number that the two show
 };
 
-/// @param name   stem of the names
-/// @param field  not automatic
-/// @param unit   of the data, as the file writes it
+/// @param name       stem of the names
+/// @param component  that was fitted: both, or imaginary, which is then all that is drawn
+/// @param field      not automatic
+/// @param unit       of the data, as the file writes it
 [[nodiscard]] MeasuredPictures draw_measured(const std::string& name, const frac::FrequencyResponseData& data,
-                                             const frac::IdentificationResult& result, Field field,
-                                             const std::string& unit);
+                                             frac::Component component, const frac::IdentificationResult& result,
+                                             Field field, const std::string& unit);
 
 }  // namespace report

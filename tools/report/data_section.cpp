@@ -46,11 +46,12 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   const Notation notation = notation_of(field, read.value_unit, read.data.frequency_unit());
   const frac::FrequencyUnit axis = notation.axis;
   const frac::FrequencyResponseData taken = thinned(read.data, axis);
-  const auto outliers = frac::isolated_outliers(taken, frac::Component::both);
+  frac::FitOptions options;
+  options.component = frac::fitted_component(taken, options.component);
+  const bool both = options.component == frac::Component::both;
+  const auto outliers = frac::isolated_outliers(taken, options.component);
   const frac::FrequencyResponseData data = frac::without_points(taken, outliers);
   Section section = open_measured("data", name, number);
-  frac::FitOptions options;
-  options.component = frac::Component::both;
   const bool has_zero =
       std::any_of(data.value().begin(), data.value().end(), [](const auto& value) { return value == 0.0; });
   options.weight = frac::Weight::learned;
@@ -73,25 +74,29 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   if (!outliers.empty())
     text += " " + prose("data", "outliers",
                         {{"at", frequencies_of(taken, outliers)}, {"unit", std::string(to_string(axis))}});
+  if (!both) text += " " + html_sentence(std::string(frac::imaginary_part_alone));
   for (const std::string& note : read.notes) text += " " + html_sentence(note);
   section.add(Html{"<p>" + text + "</p>"});
 
-  const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), 2 * data.size());
+  const std::size_t residuals = (both ? 2 : 1) * data.size();
+  const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), residuals);
   if (models.empty()) {
-    add_no_verdict(section,
-                   prose("data", "too-few",
-                         {{"points", std::to_string(data.size())}, {"residuals", std::to_string(2 * data.size())}}),
-                   "too few points");
+    add_no_verdict(
+        section,
+        prose("data", "too-few", {{"points", std::to_string(data.size())}, {"residuals", std::to_string(residuals)}}),
+        "too few points");
     return section;
   }
-  const frac::ValidationResult validity = frac::validate(data, {.most_points = frac::points_in_passing});
+  // It judges both parts together.
+  const frac::ValidationResult validity =
+      both ? frac::validate(data, {.most_points = frac::points_in_passing}) : frac::ValidationResult{};
   if (!validity.model.empty()) {
     section.add(Html{
         "<p>" + prose("data", "validity", {{"sentence", html_sentence(validity_sentence(validity, read))}}) + "</p>"});
     section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
-  MeasuredPictures pictures = draw_measured(section.id, data, result, field, read.value_unit);
+  MeasuredPictures pictures = draw_measured(section.id, data, options.component, result, field, read.value_unit);
   section.add(std::move(pictures.response));
   const bool is_number = field == Field::permittivity && notation.unit.empty();
   section.add(chosen_table(section.id + "-chosen", result, is_number ? "1" : notation.unit));

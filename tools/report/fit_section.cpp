@@ -179,6 +179,7 @@ std::optional<frac::FitResult> real_part_fit(const std::vector<DescribingFunctio
   const frac::NamedModel model = frac::find_model("inertia-and-power-law");
   frac::FitOptions options;
   options.component = frac::Component::real;
+  options.weight = frac::Weight::relative;
   for (const auto& constraint : model.constraints) {
     if (constraint.name != "c" && constraint.name != "q") options.constraints.push_back(constraint);
   }

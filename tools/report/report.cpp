@@ -282,6 +282,7 @@ void read_data(const std::filesystem::path& path, const ReportOptions& asked, st
   io::FrequencyResponseReadOptions options;
   options.how = how;
   options.quantity = quantity_of(asked.field);
+  options.real_may_miss = true;
   const std::size_t before = data.size();
   for (const auto& scene : io::scenes_in(measurement)) {
     options.rows = scene;

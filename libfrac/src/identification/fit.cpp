@@ -59,14 +59,6 @@ constexpr double plain_misfit = 0.3;  // correlation of neighbouring residuals
                               detail::counted(parameters, "free parameter"));
 }
 
-/// Whether the fitted part of the data is 0 everywhere.
-bool is_empty(const FrequencyResponseData& data, Component component) {
-  if (component != Component::imaginary && component != Component::real) return false;
-  return std::all_of(data.value().begin(), data.value().end(), [&](std::complex<double> value) {
-    return (component == Component::real ? value.real() : value.imag()) == 0;
-  });
-}
-
 std::string ending(const detail::GlobalSolution& solution) {
   if (!solution.best.converged) return "The solver stopped before the cost settled; the best point found is returned.";
   std::string text = std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
@@ -179,7 +171,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     refuse_count(residuals.count(), map.free().size());
   }
 
-  const bool empty = is_empty(data, options.component);
+  const bool empty = detail::is_empty(data, options.component);
   detail::GlobalSolution solution =
       empty ? detail::GlobalSolution{}
             : frequency_search(problem, extent.hopeless / (rule.unit * rule.unit), extent.settled);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A fractional lag fitted to the imaginary part of its own response.
+// A fractional lag fitted to its own response.
 #include <frac/identification/fit.hpp>
 #include <frac/model/fractional_transfer_function.hpp>
 #include <iostream>

@@ -21,13 +21,11 @@ int main() {
     value.push_back(plant.response(omega.back()) * relative);
   }
   const frac::FrequencyResponseData data(omega, value);
-  frac::FitOptions options;
-  options.component = frac::Component::both;
   std::vector<frac::NamedModel> models;
   for (const char* each : {"oscillator", "fractional-lag", "K/(T2 s^a + T1 s^b + 1)", "rational:1..4"}) {
     models.push_back(frac::find_model(each));
   }
-  const frac::IdentificationResult result = frac::identify(data, models, {}, options);
+  const frac::IdentificationResult result = frac::identify(data, models, {}, {});
   std::cout << "verdict " << to_string(result.verdict) << '\n' << result.summary() << '\n';
   return result.usable() ? 0 : 1;
 }

@@ -53,7 +53,7 @@ const char* state_of(const frac::ParameterEstimate& parameter) {
 }
 
 // Outliers are those left out and those whose residuals stand out of the fit's.
-void set_fit(RowBuilder& row, const frac::FitResult& result, std::size_t left_out) {
+void set_fit(RowBuilder& row, const frac::FitResult& result, std::size_t left_out, const std::string& remark) {
   row.set("status", frac::to_string(result.termination));
   row.set("model", std::string_view(result.model));
   row.set("cost", result.cost);
@@ -62,7 +62,7 @@ void set_fit(RowBuilder& row, const frac::FitResult& result, std::size_t left_ou
   row.set("bic", result.bic);
   row.set("outliers", left_out + result.outliers.size());
   row.set("left_out", left_out);
-  row.set("message", std::string_view(with_advice(result.message, result.advice)));
+  row.set("message", std::string_view(with_advice(result.message, result.advice) + remark));
   for (const auto& parameter : result.parameters) {
     row.set(parameter.name, parameter.value);
     row.set(parameter.name + "_standard_error", parameter.standard_error);
@@ -91,35 +91,44 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
   return read_curve(task.request, curve, say_nothing);
 }
 
-frac::FitOptions options_of(const BatchTask& task) {
-  frac::FitOptions options = task.options;
-  options.constraints = task.models.front().constraints;
+FitRequest request_for(const BatchTask& task, const frac::FrequencyResponseData& data) {
+  FitRequest request = task.request;
+  request.component = frac::fitted_component(data, request.component);
+  return request;
+}
+
+frac::FitOptions options_of(const BatchTask& task, const FitRequest& request) {
+  frac::FitOptions options = fit_options(request);
+  if (!task.ranked) options.constraints = task.models.front().constraints;
   return options;
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file, std::size_t index,
                 BlockStarts& starts) {
-  auto points = screened(task.request, file.data, say_nothing);
+  const FitRequest request = request_for(task, file.data);
+  const auto options = options_of(task, request);
+  const std::string remark =
+      request.component == task.request.component ? "" : " (" + std::string(frac::imaginary_part_alone) + ")";
+  auto points = screened(request, file.data, say_nothing);
   if (!task.ranked) {
     const frac::Structure structure(task.models.front().formula);
-    const auto options = options_of(task);
     const frac::FitResult* const first = starts[index];
     auto result = first == nullptr               ? frac::fit(points.kept(), structure, options)
                   : BlockStarts::is_first(index) ? *first
                                                  : frac::fit_from(*first, points.kept(), structure, options);
     if (!points.take_back_met(options, result).empty())
       result = frac::fit_from(result, points.kept(), structure, options);
-    set_fit(row, result, points.left_out().size());
+    set_fit(row, result, points.left_out().size(), remark);
     const auto statistics = fit_statistics(points.kept(), options, result, {}, 1);
     row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
     row.set("whiteness_p_value", statistics.whiteness.p_value);
     return;
   }
   // Files share the cores, so each works on one.
-  auto result = frac::identify(points.kept(), task.models, {}, task.options, 1);
-  if (!points.take_back_met(task.options, result.ranking.at(result.chosen)).empty())
-    result = frac::identify(points.kept(), task.models, {}, task.options, 1);
-  set_fit(row, result.ranking.at(result.chosen).fit, points.left_out().size());
+  auto result = frac::identify(points.kept(), task.models, {}, options, 1);
+  if (!points.take_back_met(options, result.ranking.at(result.chosen)).empty())
+    result = frac::identify(points.kept(), task.models, {}, options, 1);
+  set_fit(row, result.ranking.at(result.chosen).fit, points.left_out().size(), remark);
   row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
   row.set("verdict", frac::to_string(result.verdict));
   row.set("evidence", result.evidence);
@@ -224,8 +233,9 @@ const frac::FitResult* BlockStarts::operator[](std::size_t index) {
   std::call_once(block.searched, [&] {
     try {
       const auto file = data_of(task_, curves_[index / block_size * block_size]);
-      block.answer = frac::fit(screened(task_.request, file.data, say_nothing).kept(),
-                               frac::Structure(task_.models.front().formula), options_of(task_));
+      const FitRequest request = request_for(task_, file.data);
+      block.answer = frac::fit(screened(request, file.data, say_nothing).kept(),
+                               frac::Structure(task_.models.front().formula), options_of(task_, request));
     } catch (const io::DataError&) {  // its row will say it
     } catch (const std::invalid_argument&) {
     }

@@ -33,8 +33,7 @@ struct BatchCurve {
 
 /// What is done with each curve of a batch.
 struct BatchTask {
-  FitRequest request;  // its data are set curve by curve
-  frac::FitOptions options;
+  FitRequest request;                    // its data are set curve by curve
   std::vector<frac::NamedModel> models;  // with the constraints of the user; one is fitted, several are ranked
   std::vector<std::string> variables;    // entries of the file headers that become columns
   bool ranked = false;

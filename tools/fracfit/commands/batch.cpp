@@ -163,7 +163,8 @@ class Batch : public Command {
   void check() override {
     for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
     const bool ranked = model_.empty();
-    task_ = {request_, fit_options(request_), {}, {"force_n", "clearance_m", "restitution"}, ranked};
+    static_cast<void>(fit_options(request_));
+    task_ = {request_, {}, {"force_n", "clearance_m", "restitution"}, ranked};
     if (ranked) {
       task_.models = chosen_models(models_);
     } else {

@@ -71,13 +71,13 @@ class Fit : public Command {
         preset_list() + "  " + std::string(frac::component_power_law_name) +
         "  K w^b, w the frequency: of the component fitted, by itself; no transfer function\n"
         "Examples:\n"
-        "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
+        "  fracfit fit curve.csv --component imaginary --model power-law --where 'omega<4'\n"
         "  fracfit fit curve.csv --model component-power-law --component imaginary --quantity minus-inverse\n"
-        "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
-        "  fracfit fit cell.csv --model zarc --component both --derive 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'\n"
-        "  fracfit fit cell.csv --model zarc --component both --prior R0=0.1+-5% --prior n1=0.9+-0.05\n"
-        "  fracfit fit cell.csv --model two-zarc --component both --constraint 'Q1<Q2'\n"
-        "  fracfit fit cell.csv --grow arcs --component both\n"
+        "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --bound n1=:1 --profile\n"
+        "  fracfit fit cell.csv --model zarc --derive 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'\n"
+        "  fracfit fit cell.csv --model zarc --prior R0=0.1+-5% --prior n1=0.9+-0.05\n"
+        "  fracfit fit cell.csv --model two-zarc --constraint 'Q1<Q2'\n"
+        "  fracfit fit cell.csv --grow arcs\n"
         "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
         "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --where 'omega<4' --realisation oustaloup --band 0.01:1000 "
         "--poles 9 --out fit.json");
@@ -92,13 +92,10 @@ class Fit : public Command {
                                     std::string(frac::to_string(*grow_)) +
                                     ", whose parameters differ from structure to structure");
     } else {
-      if (is_component_law()) try {
-          chosen_ = frac::component_power_law(request_.component);
-        } catch (const std::invalid_argument& error) {
-          throw std::invalid_argument("--" + std::string(error.what()));
-        }
-      else
-        chosen_ = chosen_model(model_);
+      // What both parts mean the data tell.
+      chosen_ = !is_component_law()                           ? chosen_model(model_)
+                : request_.component == frac::Component::both ? law_of(frac::Component::imaginary)
+                                                              : law_of(request_.component);
       // Names and ranges of the parameters of a family are known with the data only.
       if (!chosen_.is_family()) {
         const frac::Structure parsed(chosen_.formula);
@@ -116,6 +113,13 @@ class Fit : public Command {
   }
 
   [[nodiscard]] bool is_component_law() const { return model_ == frac::component_power_law_name; }
+  [[nodiscard]] static frac::NamedModel law_of(frac::Component component) {
+    try {
+      return frac::component_power_law(component);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("--" + std::string(error.what()));
+    }
+  }
   /// What of the data is fitted.
   [[nodiscard]] frac::FrequencyResponseData fitted_part(const frac::FrequencyResponseData& data) const {
     return is_component_law() ? frac::component_alone(data, request_.component) : data;
@@ -189,8 +193,15 @@ class Fit : public Command {
     }
     options().settle(frequency_response);
     auto wanted = fit_options(request_);
-    wanted.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
+    settle_component(request_, options(), file.data,
+                     [&](const std::string& text) { say(request_.data + ": " + text); });
+    if (is_component_law()) {
+      chosen_ = law_of(request_.component);
+      chosen_.constraints = constraints_of(chosen_, parameters_);
+    }
+    wanted.component = request_.component;
+    wanted.constraints = chosen_.constraints;
     auto points = screened(request_, file.data, note);
     auto fit = wanted;
     auto made = fitted(fitted_part(points.kept()), fit);

@@ -84,10 +84,11 @@ class Identify : public Command {
         "Samples over time take and refuse the same options as in fit, and none of --clearance, --force, --mass1 and "
         "--mass2.\n"
         "Examples:\n"
-        "  fracfit identify curve.csv --where 'omega<4'\n"
+        "  fracfit identify curve.csv --component imaginary --where 'omega<4'\n"
         "  fracfit identify step.csv --models 'lag,lag-delay,oscillator,fractional-lag,fractional-lag-delay'\n"
-        "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
-        "  fracfit identify curve.csv --where 'omega<4' --clearance 0.3 --force 40 --format table");
+        "  fracfit identify cell.csv --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
+        "  fracfit identify curve.csv --component imaginary --where 'omega<4' --clearance 0.3 --force 40 --format "
+        "table");
   }
 
  private:
@@ -175,6 +176,9 @@ class Identify : public Command {
     auto fit = fit_options(request_);
     const auto note = [this](const std::string& text) { say(text); };
     const auto file = read_data(request_, note);
+    settle_component(request_, options(), file.data,
+                     [&](const std::string& text) { say(request_.data + ": " + text); });
+    fit.component = request_.component;
     check_folds(file.data.size());
     auto points = screened(request_, file.data, note);
     const bool static_backlash = complete_scene(file.metadata);

@@ -36,7 +36,6 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
 class JointFit : public Command {
  public:
   JointFit() : Command("joint-fit", "Fits one structure to many curves together, with shared parameters") {
-    request_.weight = "learned";
     Options& o = options();
     o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
@@ -81,10 +80,10 @@ class JointFit : public Command {
         "Curves count by their noise.  The chance in the output is small where the curves do not share what they are\n"
         "told to.\n"
         "Examples:\n"
-        "  fracfit joint-fit cold.csv warm.csv hot.csv --model 'K/(T s^a + 1)' --shared K,a --component both\n"
+        "  fracfit joint-fit cold.csv warm.csv hot.csv --model 'K/(T s^a + 1)' --shared K,a\n"
         "  fracfit joint-fit all.csv --by force_n --model power-law --each K --out joint.json\n"
         "  fracfit joint-fit all.csv --by force_n --model power-law --shared a --law 'K = K0 force_n^p'\n"
-        "  fracfit joint-fit 20C.csv 40C.csv 60C.csv --model fractional-zener --component both --shift horizontal "
+        "  fracfit joint-fit 20C.csv 40C.csv 60C.csv --model fractional-zener --shift horizontal "
         "--master master.csv");
   }
 
@@ -172,10 +171,13 @@ class JointFit : public Command {
       run.lower = std::min(run.lower, file.data.omega().front());
       run.upper = std::max(run.upper, file.data.omega().back());
       frac::JointCurve& added = curves.emplace_back(frac::JointCurve{curve.name, std::move(file.data)});
+      settle_component(request_, options(), added.data,
+                       [&](const std::string& text) { say(curve.name + ": " + text + " in all curves"); });
       for (const auto& [key, text] : file.metadata)
         if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
       run.curves.push_back({added.data.size(), std::move(file.metadata), added.covariates});
     }
+    fit_.fit.component = request_.component;
     if (!same_unit) run.value_unit.clear();
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",

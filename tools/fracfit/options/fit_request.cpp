@@ -45,7 +45,10 @@ void add_data(Options& options, FitRequest& request) {
 void add_residual_options(Options& options, FitRequest& request) {
   constexpr std::size_t most_poles = 1000;
   add_quantity(options, request.quantity);
-  options.choice("--component", request.component, frac::components()).only_for(frequency_response);
+  options
+      .choice("--component", request.component, frac::components(),
+              "of data without a real part both is the imaginary one")
+      .only_for(frequency_response);
   options
       .text("--weight", request.weight,
             "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
@@ -111,6 +114,7 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measure
   for (const auto& text : request.where) options.where.emplace_back(text);
   options.phase_may_miss = request.component == frac::Component::magnitude;
   options.magnitude_may_miss = request.component == frac::Component::phase;
+  options.real_may_miss = request.component == frac::Component::imaginary || request.component == frac::Component::both;
   options.quantity = request.quantity;
   options.how = request.how;
   options.repeats_are_points = request.weight == frac::to_string(frac::Weight::repeats);
@@ -123,6 +127,15 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measure
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");
   for (const auto& text : file.notes) note(request.data + ": " + text);
   return file;
+}
+
+void settle_component(FitRequest& request, Options& options, const frac::FrequencyResponseData& data,
+                      const std::function<void(const std::string&)>& note) {
+  const frac::Component fitted = frac::fitted_component(data, request.component);
+  if (fitted == request.component) return;
+  request.component = fitted;
+  options["--component"].say(std::string(frac::to_string(fitted)));
+  note(std::string(frac::imaginary_part_alone));
 }
 
 std::string where_text(const FitRequest& request) {

@@ -20,8 +20,8 @@ namespace fracfit {
 struct FitRequest {
   std::string data;
   std::optional<backlash::Quantity> quantity;
-  frac::Component component = frac::Component::imaginary;
-  std::string weight = "learned";
+  frac::Component component = frac::FitOptions{}.component;
+  std::string weight{frac::to_string(frac::FitOptions{}.weight)};
   frac::Loss loss = frac::Loss::none;
   std::string realisation = "exact";
   std::optional<frac::FrequencyBand> band;
@@ -52,6 +52,11 @@ void add_outliers(Options& options, FitRequest& request);
 /// The same of a file that is already open.
 [[nodiscard]] io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measurement& measurement,
                                                   const std::function<void(const std::string&)>& note);
+
+/// Puts the component that is fitted in the place of the one that was asked for, in the command line too, see
+/// frac::fitted_component(); `note` is told where it is another.
+void settle_component(FitRequest& request, Options& options, const frac::FrequencyResponseData& data,
+                      const std::function<void(const std::string&)>& note);
 
 /// Tests of --where as one text, the entry that outputs show.
 [[nodiscard]] std::string where_text(const FitRequest& request);

@@ -44,6 +44,8 @@ class FitResult:
     ----------
     formula, termination : str
         What was fitted and whether the search converged.
+    component : str or None
+        Part of a response that was fitted.
     cost, rms, max_residual, aicc, bic : float
         Of the weighted residuals.
     residuals, free_parameters, starts, starts_at_best : int
@@ -213,7 +215,8 @@ class FitResult:
         return self._data[np.delete(np.arange(len(self._data)), left_out)]._arrays()
 
     def _request(self) -> dict[str, Any]:
-        return {**self._options, "constraints": self._values["constraints"], "global_start": self._values["global_start"]}
+        made_with = ("component", "constraints", "global_start")
+        return {**self._options, **{key: self._values[key] for key in made_with}}
 
     def __getitem__(self, name: str) -> float:
         values = self.parameters
@@ -296,7 +299,8 @@ def fit(
     grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms"}, optional
         Instead of a model a family, grown by a term at a time while the data pay for it.
     component : {"both", "imaginary", "real", "magnitude", "phase"}
-        Part of a response that is fitted.  (The command line takes "imaginary" unless told otherwise.)
+        Part of a response that is fitted.  Where the real part is 0 at every frequency, "both" is "imaginary", and a
+        warning says so.
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
         What residuals are divided by.  Over time the sigma of the record counts where it has one.
     loss : {"none", "huber", "cauchy"}
@@ -472,7 +476,7 @@ def batch(
     name, starts = _structure(model)
     known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
     beforehand = ("fixed", "bounds", "start", "prior", "constraint")
-    request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": EXACT}
+    request: dict[str, Any] = {"realisation": EXACT}
     for key, value in options.items():
         if key not in (*known, *beforehand):
             raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, {', '.join(beforehand[:-1])} or {beforehand[-1]}")
@@ -511,6 +515,8 @@ class Identification(_Record):
     skipped : list of str
     left_out : list of int
         Points that contradict their neighbours on both sides and were left out.
+    component : str or None
+        Part of a response that was fitted.
     usable : bool
     """
 
@@ -588,6 +594,7 @@ def identify(
         found[each] = _with_advice(found[each], found["advice"])
     for each in found["ranking"]:
         each["fit"]["left_out"] = found["left_out"]
+        each["fit"]["component"] = found["component"]
         each["fit"]["growth"] = None
         each["fit"]["constraints"] = each.pop("constraints")
         each["fit"]["global_start"] = not each["from_family"]

@@ -26,6 +26,7 @@ io::FrequencyResponseReadOptions options_of(const py::dict& given) {
   options.weight_column = given["weight_column"].cast<std::optional<std::string>>();
   if (const auto quantity = given["quantity"].cast<std::optional<std::string>>())
     options.quantity = backlash::quantity_from_string(*quantity);
+  options.real_may_miss = true;
   options.repeats_are_points = given["repeats"].cast<bool>();
   return options;
 }

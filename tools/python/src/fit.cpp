@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "arrays.hpp"
@@ -54,6 +55,7 @@ struct Fitted {
   std::optional<frac::Growth> growth = {};
   std::vector<std::size_t> left_out = {};
   std::vector<std::string> notes = {};
+  std::optional<frac::Component> component = {};  // that was fitted; none over time
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -73,11 +75,12 @@ Fitted fitted(const Data& data, const Request& request, Options options) {
   return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
 }
 
-// The same to what outliers leave.
-Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& request,
-                        const frac::FitOptions& options, bool keep) {
+// The same to what outliers leave, and to the component that the data have.
+Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& request, frac::FitOptions options,
+                        bool keep) {
+  std::vector<std::string> notes = settle_component(options, data);
   frac::ScreenedData points(data, options, keep);
-  std::vector<std::string> notes = notes_of(points);
+  for (auto& note : notes_of(points)) notes.push_back(std::move(note));
   Fitted fit = fitted(points.kept(), request, options);
   auto made_with = options;
   made_with.constraints = fit.constraints;
@@ -89,6 +92,7 @@ Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& 
   points.restore_indices(fit.result.outliers);
   fit.left_out = points.left_out();
   fit.notes = std::move(notes);
+  fit.component = options.component;
   return fit;
 }
 
@@ -98,6 +102,7 @@ py::dict dict_of_fitted(const Fitted& fit) {
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
   result["left_out"] = fit.left_out;
+  result["component"] = fit.component ? py::object(py::str(std::string(frac::to_string(*fit.component)))) : py::none();
   result["growth"] = py::none();
   if (fit.growth) {
     py::list fits;

@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "arrays.hpp"
 #include "frac/identification/constraints.hpp"
@@ -140,6 +141,12 @@ bool keeps_outliers(const py::dict& given) {
   if (!text.empty() && text != "leave-out")
     throw std::invalid_argument("outliers \"" + text + "\": expected one of leave-out, keep");
   return false;
+}
+
+std::vector<std::string> settle_component(frac::FitOptions& options, const frac::FrequencyResponseData& data) {
+  const frac::Component fitted = frac::fitted_component(data, options.component);
+  if (fitted == std::exchange(options.component, fitted)) return {};
+  return {std::string(frac::imaginary_part_alone)};
 }
 
 std::vector<std::string> notes_of(const frac::ScreenedData& points) {

@@ -19,6 +19,11 @@ namespace python {
 /// Whether "outliers" says keep rather than leave-out, which it says unless given.
 [[nodiscard]] bool keeps_outliers(const pybind11::dict& given);
 
+/// Puts the component that is fitted in the place of the one that was asked for, see frac::fitted_component().
+/// @return  what is told of it; empty where it is the same
+[[nodiscard]] std::vector<std::string> settle_component(frac::FitOptions& options,
+                                                        const frac::FrequencyResponseData& data);
+
 /// What is told of the points that are left out, with the way to keep them; empty where there are none.
 [[nodiscard]] std::vector<std::string> notes_of(const frac::ScreenedData& points);
 

@@ -83,15 +83,15 @@ std::vector<frac::FixedCurve> fixed_curves(const py::dict& given, std::size_t po
 py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
                            const py::dict& given, int threads) {
   const auto models = names.empty() ? frac::default_candidates() : models_of(names);
-  const frac::FitOptions options = fit_options(given);
+  frac::FitOptions options = fit_options(given);
   const bool keep = keeps_outliers(given);
   const frac::FrequencyResponseData all = spectrum_of(data);
   const auto fixed = fixed_curves(curves, all.size());
   std::vector<std::size_t> left_out;
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = settle_component(options, all);
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);
-    notes = notes_of(points);
+    for (auto& note : notes_of(points)) notes.push_back(std::move(note));
     const auto ranked = [&] {
       return frac::identify(points.kept(), models, at_kept(fixed, points.left_out()), options, threads);
     };
@@ -107,6 +107,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   py::dict dict = dict_of(result);
   dict["left_out"] = left_out;
   dict["notes"] = notes;
+  dict["component"] = std::string(frac::to_string(options.component));
   return dict;
 }
 
@@ -118,6 +119,7 @@ py::dict identify_record(const py::dict& data, const std::vector<std::string>& n
   py::dict dict = dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
   dict["left_out"] = py::list();
   dict["notes"] = py::list();
+  dict["component"] = py::none();
   return dict;
 }
 

@@ -69,8 +69,8 @@ enum class EconomyVerdict {
 [[nodiscard]] std::string_view to_string(EconomyVerdict verdict);
 
 struct EconomyOptions {
-  Component component = Component::imaginary;  // or real, or both
-  std::size_t most_parameters = 8;             // 1 to 8
+  Component component = Component::both;  // or real, or imaginary
+  std::size_t most_parameters = 8;        // 1 to 8
   /// Powers lie between minus this and this, whole or not; 1 to 9.
   int largest_power = 9;
 };

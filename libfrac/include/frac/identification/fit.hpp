@@ -77,8 +77,8 @@ struct ParameterConstraint {
 };
 
 struct FitOptions {
-  Component component = Component::imaginary;
-  Weight weight = Weight::relative;
+  Component component = Component::both;
+  Weight weight = Weight::learned;
   Loss loss = Loss::none;
   /// Floor of weight `learned`, in the unit of the data, >= 0; unset: told by how the residuals change from point to
   /// point, 0 unless the data speak clearly for one.
@@ -90,6 +90,14 @@ struct FitOptions {
   std::uint64_t seed = 1;    // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
+
+/// What front ends fit where `wanted` was asked for: the imaginary part instead of both, where the real part is 0 at
+/// every frequency and so no part of the data.  An imaginary part of 0 is no such gap: every response without losses
+/// has one.
+[[nodiscard]] Component fitted_component(const FrequencyResponseData& data, Component wanted);
+/// What they say then.
+inline constexpr std::string_view imaginary_part_alone =
+    "the real part is 0 at every frequency, so that the imaginary part alone is fitted";
 
 /// What an interval follows: the curvature of the cost at its minimum, or the cost itself, as profile_interval() does.
 enum class IntervalKind { curvature, profile };

@@ -7,6 +7,16 @@
 #include "frac/identification/constraints.hpp"
 #include "residual_rule.hpp"
 
+namespace frac {
+
+Component fitted_component(const FrequencyResponseData& data, Component wanted) {
+  const bool alone = wanted == Component::both && detail::is_empty(data, Component::real) &&
+                     !detail::is_empty(data, Component::imaginary);
+  return alone ? Component::imaginary : wanted;
+}
+
+}  // namespace frac
+
 namespace frac::detail {
 namespace {
 
@@ -16,6 +26,13 @@ void hold(std::vector<ParameterConstraint>& constraints, std::string_view parame
 }
 
 }  // namespace
+
+bool is_empty(const FrequencyResponseData& data, Component component) {
+  if (component != Component::imaginary && component != Component::real) return false;
+  return std::all_of(data.value().begin(), data.value().end(), [&](std::complex<double> value) {
+    return (component == Component::real ? value.real() : value.imag()) == 0;
+  });
+}
 
 FitOptions settled(const FitOptions& options, const FitResult& result) {
   FitOptions known = options;

@@ -14,6 +14,9 @@ namespace frac::detail {
 inline constexpr const char* offset_name = "offset";
 inline constexpr const char* drift_name = "drift";
 
+/// Whether this component of the data, real or imaginary, is 0 at every frequency.
+[[nodiscard]] bool is_empty(const FrequencyResponseData& data, Component component);
+
 /// The options with what a fit has learned from the data: its noise floor.
 [[nodiscard]] FitOptions settled(const FitOptions& options, const FitResult& result);
 

@@ -10,6 +10,7 @@
 
 #include "base/median.hpp"
 #include "base/wide_vectors.hpp"
+#include "identification/data/fit_data.hpp"
 #include "identification/data/local_curve.hpp"
 
 namespace frac::detail {
@@ -198,7 +199,13 @@ bool tells_a_floor(const FrequencyResponseData& data, Component component) {
 
 double noise_floor(const FrequencyResponseData& data, std::span<const std::complex<double>> model,
                    Component component) {
-  return tells_a_floor(data, component) ? floor_of(data, model, changes(data, model, component)) : 0;
+  if (!tells_a_floor(data, component)) return 0;
+  // The size is that of the data: a part that they do not have is none of it, whatever the model has there.
+  const bool no_real = is_empty(data, Component::real), no_imaginary = is_empty(data, Component::imaginary);
+  std::vector<std::complex<double>> size;
+  for (const std::complex<double> each : model)
+    size.emplace_back(no_real ? 0 : each.real(), no_imaginary ? 0 : each.imag());
+  return floor_of(data, size, changes(data, model, component));
 }
 
 double noise_floor(const FrequencyResponseData& data, Component component) {
