@@ -55,7 +55,7 @@ std::vector<Motion> shown_motions(const Scene& scene, const Bands& bands) {
 
 // The gap over three periods of the force, as an experimenter sees it who raises the frequency slowly.
 Figure motion_figure(const Work& work, const Bands& bands) {
-  constexpr int settling_periods = 40, steps = 20, drawn_periods = 3, samples = 200;
+  constexpr int settling_periods = 30, steps = 8, drawn_periods = 3, samples = 200;
   const auto system = work.system();
   const double force = work.scene.force;
   const std::vector<Motion> motions = shown_motions(work.scene, bands);
