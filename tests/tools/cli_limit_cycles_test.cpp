@@ -111,6 +111,10 @@ TEST(LimitCyclesCommand, DrawsLoopsAndFamilies) {
   EXPECT_NE(script("family/cycles-frequency.gp").find("events"), std::string::npos);
   EXPECT_NE(script("one/cycles-nyquist.gp").find("predicted"), std::string::npos);
   EXPECT_NE(script("one/cycle-1.gp").find("1.3636"), std::string::npos);
+  // A loop that was looked at from 0 to infinity and has no cycle is drawn round its crossover.
+  (void)run_fracfit(limit_cycles(
+      "2 + 2 s^0.5", {"--restitution", "1", "--quiet", "--starts", "0", "--pictures", folder.path("none")}));
+  EXPECT_NE(script("none/cycles-nyquist.gp").find("C(jω)"), std::string::npos);
 }
 
 // Where "kp + s" ceases to have a cycle is tested with the library; here that the command says it.
@@ -140,8 +144,8 @@ TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
 // The cycle of "kp + s" keeps its symmetry from kp = 1 to 3, as the command's own JSON says of each value.
 TEST(LimitCyclesCommand, SaysThatAStableCycleIsThereForEveryValue) {
   const auto as = [](const char* format) {
-    return run_fracfit(limit_cycles(
-        "kp + s", {"--restitution", "0.6", "--over", "kp=1:3:3", "--starts", "0", "--format", format}));
+    return run_fracfit(
+        limit_cycles("kp + s", {"--restitution", "0.6", "--over", "kp=1:3:3", "--starts", "0", "--format", format}));
   };
   const auto json = nlohmann::json::parse(as("json").output);
   ASSERT_EQ(json["loops"].size(), 3U);

@@ -97,6 +97,61 @@ void expect_complete(const fs::path& out, bool pictures) {
   }
 }
 
+/// Im(-1/N) of two symmetric impacts is k omega^2, so that one parameter and a whole order meet it to rounding, and a
+/// power law fitted to it has the order 2 to the rounding of a regression; no other band of the scene has such a law.
+void expect_economy_of_the_law(const nlohmann::json& json) {
+  const auto& facts = json.at("facts");
+  EXPECT_EQ(facts.at("economy_two-impact_minus-inverse"), "integer-cheaper");
+  EXPECT_EQ(facts.at("whole_parameters_two-impact_minus-inverse"), 1);
+  EXPECT_GT(facts.at("whole_parameters_two-impact_n"), 1);
+  EXPECT_GT(facts.at("whole_parameters_chatter_minus-inverse"), 1);
+  EXPECT_NEAR(facts.at("fitted_order_two-impact_minus-inverse").get<double>(), 2, 1e-9);
+  // From 10 rad/s on the static model transmits nothing, N = 0, and its error is the whole of the imaginary part.
+  EXPECT_NEAR(facts.at("static_error_two-impact_n").get<double>(), 1, 1e-12);
+  // The table shows the class of the law as exact, and nothing else of whole orders.
+  std::map<std::string, std::string> needs;
+  for (const auto& row : json.at("tables").at("economy-needs"))
+    needs[row.at("class")] = row.at("two-impact_minus-inverse");
+  EXPECT_EQ(needs.at("whole powers of omega"), "1, exact");
+  EXPECT_EQ(needs.at("real powers"), "2, exact");
+  EXPECT_EQ(needs.at("static backlash"), "–") << "its -1/N is infinite there";
+}
+
+/// The text of an element without its tags.
+std::string without_tags(const std::string& html) {
+  return std::regex_replace(html, std::regex("<[^>]*>"), "");
+}
+
+/// Six sentences, each with numbers that follow from the scene by hand: F = 20 N, clearance 0.2 m, both masses 1 kg, so
+/// that sqrt(F/(M2 clearance)) = 10 rad/s; restitution 0.6.
+void expect_first_page(const std::string& page) {
+  const auto begin = page.find("<section id=\"minute\">");
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_LT(begin, page.find("<nav>")) << "the first page stands before the table of contents";
+  const std::string text = without_tags(page.substr(begin, page.find("<nav>") - begin));
+  std::size_t at = 0;
+  for (const char* expected : {
+           "What was computed.",
+           "Two masses of 1 kg touch only at the two ends of a gap of 0.2 m: a sine force of 20 N",
+           "What is fractional.",
+           "against 14/3",
+           "What is not.",
+           // (pi/4) (0.4/1.6) (1 + 1)
+           "here 0.3927 ω²",
+           "What the static model misses.",
+           // sqrt(2 F/((M1 + M2) clearance))
+           "from 10 rad/s on",
+           "The jump.",
+           // The asymmetric orbit doubles its period, as jump_frequency_test has it from the multiplier.
+           "here 1.408 and so 14.1 rad/s",
+           "What a controller meets.",
+       }) {
+    const auto found = text.find(expected, at);
+    ASSERT_NE(found, std::string::npos) << expected << "\nin: " << text;
+    at = found;
+  }
+}
+
 TEST(WriteReport, WritesEverythingForASmallScene) {
   const TemporaryFolder folder;
   ReportOptions options;
@@ -118,6 +173,10 @@ TEST(WriteReport, WritesEverythingForASmallScene) {
   // Sticking motion leaves its asymptote by about gamma^(-2/3); at a sixth of 1 rad/s, gamma = 7200 for the first
   // scene.
   EXPECT_NEAR(json.at("facts").at("lowest_local_slope").get<double>(), 2.0 / 3, 0.01);
+  // That of Im(-1/N) likewise from 14/3.
+  EXPECT_NEAR(json.at("facts").at("lowest_local_slope_minus-inverse").get<double>(), 14.0 / 3, 0.02);
+  expect_economy_of_the_law(json);
+  expect_first_page(content_of(outcome.index.string()));
   // Symmetry of the two-impact orbit at restitution 0.6, to six digits (1/sqrt(0.3660699362)).
   const io::TextTable bifurcations((options.out / "tables/bifurcations.csv").string());
   double symmetry_loss = 0;
@@ -144,6 +203,28 @@ TEST(WriteReport, ReportsOnRigidMassesWithoutFits) {
   const ReportOutcome outcome = write_report(options);
   expect_complete(options.out, false);
   EXPECT_FALSE(outcome.pictures);
+}
+
+TEST(WriteReport, FirstPageSaysWhatARunLacks) {
+  const SearchPath nothing("");
+  const auto first_page = [](const std::string& scene) {
+    const TemporaryFolder folder;
+    ReportOptions options;
+    options.out = folder.path("out");
+    options.scene = folder.write("scene.json", scene);
+    const std::string page = content_of(write_report(options).index.string());
+    const auto begin = page.find("<section id=\"minute\">");
+    return without_tags(page.substr(begin, page.find("<nav>") - begin));
+  };
+  const std::string lossless = first_page(R"({"clearance": 0.3, "restitution": 1, "force": 40, "omega": "2:30:8log"})");
+  EXPECT_NE(lossless.find("Impacts of restitution 1 lose nothing"), std::string::npos) << lossless;
+  EXPECT_EQ(lossless.find("What is not."), std::string::npos) << lossless;
+  const std::string rigid = first_page(R"({"clearance": 0, "restitution": 0.6, "force": 40, "omega": "1:30:8log"})");
+  EXPECT_NE(rigid.find("without a gap move as one"), std::string::npos) << rigid;
+  EXPECT_EQ(rigid.find("fractional power"), std::string::npos) << rigid;
+  // Too coarse for a point with two impacts: below the jump, which is at 16 rad/s.
+  const std::string low = first_page(R"({"clearance": 0.3, "restitution": 0.6, "force": 40, "omega": "1:8:8log"})");
+  EXPECT_NE(low.find("No point of this run has two impacts half a period apart"), std::string::npos) << low;
 }
 
 /// The report of one file, made without gnuplot, which no number of it needs.

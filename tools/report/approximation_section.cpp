@@ -5,15 +5,21 @@
 #include <ctime>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frac/approximation/approximate.hpp"
 #include "frac/digital/digital_filter.hpp"
+#include "frac/identification/fit.hpp"
+#include "frac/identification/model_library.hpp"
+#include "report/bands.hpp"
 #include "report/html.hpp"
 #include "report/prose.hpp"
+#include "report/ranking.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -210,9 +216,53 @@ Table methods_table(const std::vector<std::vector<Timed>>& all) {
   return table;
 }
 
+// The power law of the chatter band, fitted through several realisations of s^a.
+Table realisation_table(const frac::FrequencyResponseData& data, int threads) {
+  Table table{"realisations",
+              prose("approximation", "realisations"),
+              {{"realisation", "realisation"},
+               {"order", "order a", 6},
+               {"coefficient", "K", 6},
+               {"rms_relative", "rms relative residual", 3},
+               {"remark", "remark"}}};
+  const double lowest = data.omega().front();
+  const double highest = data.omega().back();
+  const double sample_time = std::numbers::pi / (10 * highest);
+  const std::pair<std::string, frac::Realisation> realisations[] = {
+      {"exact (jω)^a", frac::ExactRealisation{}},
+      {"Oustaloup, band of the data, 4 poles", frac::OustaloupRealisation{{lowest, highest}, 4}},
+      {"Oustaloup, one decade wider at both ends, 4 poles", frac::OustaloupRealisation{{lowest / 10, highest * 10}, 4}},
+      {"Oustaloup, one decade wider at both ends, 12 poles",
+       frac::OustaloupRealisation{{lowest / 10, highest * 10}, 12}},
+      {"Grünwald-Letnikov, 20 samples per shortest period, all kept",
+       frac::GrunwaldLetnikovRealisation{sample_time, 0}},
+      {"Grünwald-Letnikov, 20 samples per shortest period, last 200 kept",
+       frac::GrunwaldLetnikovRealisation{sample_time, 200}},
+  };
+  const frac::NamedModel model = frac::find_model("power-law");
+  std::vector<std::optional<frac::FitResult>> fits(std::size(realisations));
+  frac::parallel_for(fits.size(), threads, [&](std::size_t i) {
+    frac::FitOptions options;
+    options.component = frac::Component::imaginary;
+    options.weight = frac::Weight::given;
+    options.realisation = realisations[i].second;
+    options.constraints = model.constraints;
+    fits[i] = frac::fit(data, frac::Structure(model.formula), options);
+  });
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const frac::FitResult& fit = *fits[i];
+    const auto* order = find_parameter(fit, "a");
+    const auto* coefficient = find_parameter(fit, "K");
+    std::string note = remark(*order);
+    if (fit.termination != frac::FitTermination::converged) note += (note.empty() ? "" : "; ") + fit.message;
+    table.rows.push_back({realisations[i].first, order->value, coefficient->value, fit.rms, note});
+  }
+  return table;
+}
+
 }  // namespace
 
-Section approximation_section() {
+Section approximation_section(const Work& work, const Bands& bands) {
   Section section = open_section("approximation");
   const std::vector<std::vector<Timed>> all = families();
   const std::string poles = std::to_string(drawn_poles);
@@ -224,6 +274,7 @@ Section approximation_section() {
   section.add(error_against_poles_figure(all));
   section.add(work_precision_figure(all));
   section.add(methods_table(all));
+  if (!bands.chatter.empty()) section.add(realisation_table(relative_imaginary_data(bands.chatter), work.threads));
   const auto error_of = [](frac::ApproximationMethod method) {
     return designed(method, drawn_poles).at(0).error.max_relative;
   };

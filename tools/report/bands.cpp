@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "backlash/jump_frequency.hpp"
@@ -37,14 +38,36 @@ std::vector<DescribingFunctionPoint> leading_run(const std::vector<DescribingFun
   return run;
 }
 
+backlash::SweepOptions two_impact_sweep(const Work& work) {
+  backlash::SweepOptions options;
+  options.threads = work.threads;
+  options.protocol = backlash::Protocol::two_impact;
+  return options;
+}
+
+std::vector<backlash::DescribingFunctionSweep> whole_curve(const Work& work) {
+  const Scene& scene = work.scene;
+  const auto system = work.system();
+  const auto lower = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::two_impact_loss);
+  const auto upper = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::saddle_node);
+  std::vector<backlash::DescribingFunctionSweep> sweeps;
+  const auto add = [&](double from, double to, std::size_t count) {
+    sweeps.push_back(backlash::describing_function_sweep(system, scene.force, logarithmic_grid(from, to, count),
+                                                         two_impact_sweep(work)));
+  };
+  // Figures may begin far above the jump: with little loss two impacts per period reach high up.
+  const double end = lower ? *lower : scene.omega_bode.back();
+  add(std::min(scene.omega_bode.front() / 6, end / 2), end, 300);
+  if (lower) add(*lower * 1.0001, upper ? *upper * 0.9999 : 4 * *lower, 200);
+  return sweeps;
+}
+
 }  // namespace
 
 Bands smooth_bands(const Work& work, const Curves& curves) {
   const Scene& scene = work.scene;
   const auto& coarse = curves.bode.sweeps.front().points;
-  backlash::SweepOptions options;
-  options.threads = work.threads;
-  options.protocol = backlash::Protocol::two_impact;
+  const backlash::SweepOptions options = two_impact_sweep(work);
   Bands bands;
 
   const auto sticking = leading_run(coarse, is_chatter);
@@ -68,8 +91,16 @@ Bands smooth_bands(const Work& work, const Curves& curves) {
           leading_run(backlash::describing_function_sweep(system, scene.force, grid, options).points, is_symmetric);
     }
   }
-  if (bands.chatter.size() < fewest_points) bands.chatter.clear();
-  if (bands.two_impact.size() < fewest_points) bands.two_impact.clear();
+  for (auto* band : {&bands.chatter, &bands.two_impact}) {
+    if (band->size() < fewest_points) band->clear();
+  }
+  if (!bands.chatter.empty() && !bands.two_impact.empty()) {
+    std::copy_if(coarse.begin(), coarse.end(), std::back_inserter(bands.between), [&bands](const auto& point) {
+      return point.omega > bands.chatter.back().omega && point.omega < bands.two_impact.front().omega;
+    });
+    if (bands.between.size() < fewest_points) bands.between.clear();
+  }
+  if (!bands.chatter.empty() || !bands.two_impact.empty()) bands.whole = whole_curve(work);
   return bands;
 }
 

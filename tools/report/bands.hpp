@@ -9,10 +9,15 @@
 
 namespace report {
 
-/// The two smooth stretches of the curve of the base scene, on which the imaginary part is a function of frequency.
+/// The two smooth stretches of the curve of the base scene, on which the imaginary part is a function of frequency, and
+/// what lies between them.
 struct Bands {
   std::vector<backlash::DescribingFunctionPoint> chatter;     // sticking in every period, from the lowest frequency on
+  std::vector<backlash::DescribingFunctionPoint> between;     // points of the figures, in the order of frequency
   std::vector<backlash::DescribingFunctionPoint> two_impact;  // symmetric two-impact orbit, above the visible jump
+  /// From below the lowest frequency of the figures, where the asymptote shows, up to the end of the impacting
+  /// motion; a second sweep begins where two impacts per period do.  None without a band.
+  std::vector<backlash::DescribingFunctionSweep> whole;
 };
 
 /// Densely sampled within the frequencies of the figures.  The asymmetric two-impact orbit below is left out: the curve

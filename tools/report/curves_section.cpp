@@ -304,6 +304,18 @@ Section curves_section(const Work& work, const Curves& curves) {
   add_family("restitution-family", prose("curves", "restitution-table"), curves.restitutions);
   add_family("clearance-family", prose("curves", "clearance-table"), curves.clearances);
   add_family("force-family", prose("curves", "force-table"), curves.forces);
+  double points = 0, closed = 0;
+  for (const Family* family :
+       {&curves.nichols_forces, &curves.bode, &curves.restitutions, &curves.clearances, &curves.forces}) {
+    for (const DescribingFunctionSweep& sweep : family->sweeps) {
+      points += static_cast<double>(sweep.points.size());
+      closed += static_cast<double>(std::count_if(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
+        return point.regime != backlash::Regime::averaged;
+      }));
+    }
+  }
+  section.fact("curve_points", points);
+  section.fact("curve_points_exact", closed);
   return section;
 }
 

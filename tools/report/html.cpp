@@ -196,6 +196,23 @@ std::string block_html(const Block& block, const std::filesystem::path& folder) 
   return std::get<Html>(block).text + "\n";
 }
 
+std::string contents_html(const Page& page) {
+  std::string html = "<nav><ol>\n";
+  for (std::size_t i = page.before_contents; i < page.sections.size(); ++i) {
+    const Section& section = page.sections[i];
+    html += "<li><a href=\"#" + section.id + "\">" + plain_text(section.title) + "</a></li>\n";
+  }
+  return html + "</ol></nav>\n";
+}
+
+std::string section_html(const Section& section, const std::string& number, const std::filesystem::path& folder) {
+  std::string html = "<section id=\"" + section.id + "\">\n<h2>" + number + section.title + "</h2>\n";
+  if (!section.reading.empty())
+    html += "<div class=\"reading\">" + prose("page", "how-to-read", {{"reading", section.reading}}) + "</div>\n";
+  for (const Block& block : section.blocks) html += block_html(block, folder);
+  return html + "</section>\n";
+}
+
 }  // namespace
 
 std::string escape_html(std::string_view text) {
@@ -349,19 +366,10 @@ std::string page_html(const Page& page, const std::filesystem::path& folder) {
       escape_html(page.title) + "</title>\n<style>" + std::string(style) + "</style>\n</head>\n<body>\n<main>\n<h1>" +
       escape_html(page.title) + "</h1>\n<p class=\"sub\">" + page.subtitle + "</p>\n";
   if (!page.notice.empty()) html += "<div class=\"notice\">" + page.notice + "</div>\n";
-  html += "<nav><ol>\n";
-  for (const Section& section : page.sections) {
-    html += "<li><a href=\"#" + section.id + "\">" + plain_text(section.title) + "</a></li>\n";
-  }
-  html += "</ol></nav>\n";
-  int number = 0;
-  for (const Section& section : page.sections) {
-    html +=
-        "<section id=\"" + section.id + "\">\n<h2>" + std::to_string(++number) + "&ensp;" + section.title + "</h2>\n";
-    if (!section.reading.empty())
-      html += "<div class=\"reading\">" + prose("page", "how-to-read", {{"reading", section.reading}}) + "</div>\n";
-    for (const Block& block : section.blocks) html += block_html(block, folder);
-    html += "</section>\n";
+  for (std::size_t i = 0; i < page.sections.size(); ++i) {
+    if (i == page.before_contents) html += contents_html(page);
+    const std::string number = i < page.before_contents ? "" : std::to_string(i - page.before_contents + 1) + "&ensp;";
+    html += section_html(page.sections[i], number, folder);
   }
   html += "</main>\n";
   if (std::any_of(page.sections.begin(), page.sections.end(), answers))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -33,6 +34,7 @@ struct Page {
   std::string subtitle;  // HTML
   std::string notice;    // HTML, shown in a box on top; empty: none
   std::vector<Section> sections;
+  std::size_t before_contents = 0;  // so many sections stand before the table of contents, and not in it
 };
 
 /// The whole page, self-contained.  Pictures are read from figures/<name>.svg under `folder`; where one is missing the

@@ -288,20 +288,14 @@ Section jump_section(const Work& work, const Curves& curves) {
     section.fact("b_coefficient", law.b_of_clearance.coefficient);
     section.fact("b_exponent", law.b_of_clearance.exponent);
     section.fact("mean_similarity_constant", law.mean_similarity_constant);
-    section.finding(prose("jumps", "finding",
-                          {{"a", html_number(law.a_of_clearance.coefficient)},
-                           {"exponent", html_number(law.a_of_clearance.exponent)},
-                           {"b", html_number(law.laws.front().law.exponent)},
-                           {"rising", html_number(constants.mean.at(JumpCriterion::sweep_up))},
-                           {"falling", html_number(constants.mean.at(JumpCriterion::sweep_down))},
-                           {"published", html_number(published.mean)},
-                           {"lowest", html_number(published.lowest)},
-                           {"highest", html_number(published.highest)}}));
   } else {
     section.add(Html{paragraph("jumps", "too-few",
                                {{"forces", std::to_string(scene.jump_forces.size())},
                                 {"clearances", std::to_string(scene.jump_clearances.size())}})});
   }
+  if (const auto c =
+          backlash::jump_similarity_constant(scene.restitution, JumpCriterion::two_impact_loss).similarity_constant)
+    section.fact("similarity_constant", *c);
   section.add(constants.table);
   if (scene.clearance > 0) section.add(discontinuity_table(scene, curves.restitutions));
   if (has_grid && scene.of_the_paper) section.add(fixed_step_table(scene, published, work.threads));

@@ -65,9 +65,13 @@ Figure map_figure(const Work& work) {
 
 }  // namespace
 
+LoopPicture example_loop(const Work& work) {
+  return picture_of(loop_of(work, 1, 0.5), drawn_harmonics);
+}
+
 Section limit_cycles_section(const Work& work) {
   Section section = open_section("limit-cycles");
-  const LoopPicture picture = picture_of(loop_of(work, 1, 0.5), drawn_harmonics);
+  const LoopPicture picture = example_loop(work);
   const backlash::SymmetricCycle* cycle = nullptr;
   for (const backlash::SymmetricCycle& each : picture.exact.cycles) {
     if (each.admissible) cycle = &each;
@@ -84,15 +88,13 @@ Section limit_cycles_section(const Work& work) {
                                       {"predicted", predicted_text}})));
     section.add(cycle_figure(picture.loop, *cycle, "cycles-motion", prose("limit-cycles", "motion")));
     section.add(start_figure(picture.loop, *cycle, "cycles-start", prose("limit-cycles", "start")));
-    section.finding(prose("limit-cycles", "finding",
-                          {{"exact", exact_text},
-                           {"predicted", predicted_text},
-                           {"percent", html_number(100 * std::abs(predicted / cycle->omega - 1), 2)}}));
     section.fact("limit_cycle_omega", cycle->omega);
     section.fact("limit_cycle_omega_predicted", predicted);
   }
-  section.add(order_figure(work));
-  section.add(map_figure(work));
+  if (work.scene.of_the_paper) {
+    section.add(order_figure(work));
+    section.add(map_figure(work));
+  }
   return section;
 }
 

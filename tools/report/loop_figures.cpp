@@ -27,6 +27,15 @@ Complex rigid_loop(const backlash::ControlLoop& loop, double omega) {
   return loop.controller().response(omega) / ((loop.system().mass1() + loop.system().mass2()) * omega * omega);
 }
 
+// Where the rigid loop comes nearest to the size 1, rad/s: what to show of a loop that was looked at everywhere and has
+// no cycle.
+double crossover(const backlash::ControlLoop& loop) {
+  const std::vector<double> grid = logarithmic_grid(1e-6, 1e6, 1201);
+  return *std::min_element(grid.begin(), grid.end(), [&loop](double a, double b) {
+    return std::abs(std::log(std::abs(rigid_loop(loop, a)))) < std::abs(std::log(std::abs(rigid_loop(loop, b))));
+  });
+}
+
 struct Points {
   std::vector<double> x, y;
   void add(double at_x, double at_y) {
@@ -83,8 +92,10 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
   std::vector<double> marked = exact_at;
   marked.insert(marked.end(), predicted_at.begin(), predicted_at.end());
   const auto [lowest, highest] = std::minmax_element(marked.begin(), marked.end());
-  const double from = marked.empty() ? picture.exact.searched.from : *lowest / 3;
-  const double to = marked.empty() ? picture.exact.searched.to : *highest * 6;
+  const bool bounded = marked.empty() && !picture.exact.certain;
+  const double middle = marked.empty() && !bounded ? crossover(picture.loop) : 0;
+  const double from = bounded ? picture.exact.searched.from : marked.empty() ? middle / 10 : *lowest / 3;
+  const double to = bounded ? picture.exact.searched.to : marked.empty() ? middle * 10 : *highest * 6;
   double top = 0;
   for (const Points* points : {&exact, &predicted}) {
     for (const double y : points->y) top = std::max(top, 2 * std::abs(y));
@@ -124,7 +135,7 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
     line(eps, "#bbbbbb", Mark::line, others);
     others.clear();  // one entry of the key for all
   }
-  line(restitution, "#000000", Mark::line, "-1/{/Symbol n}, ε = " + rounded(restitution));
+  line(restitution, "#000000", Mark::line, "−1/ν, ε = " + rounded(restitution));
   panel.curves.push_back(curve_of("C(jω)/((M_1 + M_2) ω^2)", "#009e73", Mark::line, loop));
   if (!predicted.x.empty()) {
     panel.curves.push_back(

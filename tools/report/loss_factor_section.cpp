@@ -147,11 +147,8 @@ Section loss_factor_section(const Work& work, const Curves& curves) {
     panel.y.from = low->value / 2;
   }
   panel.y.to = 4;
-  section.finding(check.points > 0
-                      ? prose("loss-factor", "finding",
-                              {{"points", html_number(check.points)}, {"spread", html_number(check.spread, 2)}})
-                      : prose("loss-factor", "no-symmetric"));
-  section.fact("loss_factor_spread", check.spread);
+  section.fact("loss_factor_points", check.points);
+  if (check.points > 0) section.fact("loss_factor_spread", check.spread);
   section.add(Figure{"loss-factor",
                      prose("loss-factor", "figure", {{"restitution", html_number(scene.restitution)}}),
                      {std::move(panel)},

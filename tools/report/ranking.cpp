@@ -169,12 +169,6 @@ void add_ranking(Section& section, const std::string& id, const frac::Identifica
   section.fact("evidence_aicc_" + id, result.evidence);
 }
 
-const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class) {
-  const auto found = std::find_if(result.ranking.begin(), result.ranking.end(),
-                                  [model_class](const frac::RankedFit& fit) { return fit.model_class == model_class; });
-  return found == result.ranking.end() ? nullptr : &*found;
-}
-
 const frac::ParameterEstimate* find_parameter(const frac::FitResult& fit, const std::string& name) {
   const auto found = std::find_if(fit.parameters.begin(), fit.parameters.end(),
                                   [&name](const frac::ParameterEstimate& parameter) { return parameter.name == name; });

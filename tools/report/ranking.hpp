@@ -50,9 +50,6 @@ struct RankingWords {
 void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
                  const RankingWords& words);
 
-/// Best ranked of a class, or null.
-[[nodiscard]] const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class);
-
 /// Parameter of that name, or null.
 [[nodiscard]] const frac::ParameterEstimate* find_parameter(const frac::FitResult& fit, const std::string& name);
 

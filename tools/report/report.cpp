@@ -31,10 +31,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// One chapter of the page: its name, about how long it takes beside the others, and what writes it.
+// One chapter of the page: its name, whether it takes seconds, and what writes it.
 struct Chapter {
   std::string name;
-  double share;
+  bool takes_long;
   std::function<Section(const Work&)> write;
 };
 
@@ -54,15 +54,14 @@ class Stages {
     return result;
   }
 
-  // Chapters need nothing of each other: as many at once as there are threads, those that take long first, in the order
-  // given when all are written.
+  // Chapters need nothing of each other: as many at once as there are threads, those that take long first, so that
+  // short ones fill what they leave; in the order given when all are written.
   // @param draw  draws the figures of one, and returns what went wrong
   std::vector<Section> write(const std::vector<Chapter>& chapters, Work work,
                              const std::function<std::string(const Section&)>& draw) {
     std::vector<std::size_t> order(chapters.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return chapters[a].share > chapters[b].share; });
+    std::stable_partition(order.begin(), order.end(), [&](std::size_t k) { return chapters[k].takes_long; });
     const auto threads = static_cast<int>(threads_of(options_));
     work.threads = std::max(1, threads / static_cast<int>(std::max<std::size_t>(1, chapters.size())));
     work.progress = nullptr;
@@ -115,6 +114,13 @@ class Stages {
   std::string trouble_;
 };
 
+// What a chapter finds, where no page before it says so.
+void begin_with_findings(Section& section) {
+  std::string text;
+  for (const std::string& finding : section.findings) text += "<p>" + finding + "</p>\n";
+  if (!text.empty()) section.blocks.insert(section.blocks.begin(), Html{text});
+}
+
 Section summary_section(const std::vector<Section>& sections) {
   Section section = open_section("summary");
   std::string list = "<ul>\n";
@@ -159,23 +165,32 @@ std::vector<Section> scene_sections(const Work& work, Stages& stages,
   const bool has_gap = work.scene.clearance > 0;
   const Bands bands = has_gap ? stages.run("smooth bands", [&] { return smooth_bands(work, curves); }) : Bands{};
   std::vector<Chapter> chapters;
-  const auto add = [&](bool applies, const std::string& name, double share, std::function<Section(const Work&)> write) {
-    if (applies) chapters.push_back({name, share, std::move(write)});
+  constexpr bool takes_long = true;
+  const auto add = [&](bool applies, const std::string& name, std::function<Section(const Work&)> write,
+                       bool is_long = false) {
+    if (applies) chapters.push_back({name, is_long, std::move(write)});
   };
   const bool is_paper = work.scene.of_the_paper;
-  add(true, "curves", 0.01, [&](const Work& w) { return curves_section(w, curves); });
-  add(has_gap, "loss factor", 0.1, [&](const Work& w) { return loss_factor_section(w, curves); });
-  add(has_gap, "fits", 3, [&](const Work& w) { return fit_section(w, bands); });
-  add(has_gap, "local slope", 0.1, [&](const Work& w) { return slope_section(w, bands); });
-  add(true, "jump laws", 4, [&](const Work& w) { return jump_section(w, curves); });
-  add(has_gap, "orbits", 1, orbit_section);
-  add(is_paper, "regime map", 4, map_section);
-  add(is_paper, "limit cycles", 3, limit_cycles_section);
-  add(is_paper, "approximations", 1, [](const Work&) { return approximation_section(); });
-  add(true, "speed against error", 1, speed_section);
-  add(true, "a fractional model", 1, [](const Work&) { return model_section(); });
-  add(true, "time responses", 4, [](const Work&) { return response_speed_section(); });
-  return stages.write(chapters, work, draw);
+  add(true, "in one minute", [&](const Work& w) { return minute_section(w, bands); });
+  add(true, "curves", [&](const Work& w) { return curves_section(w, curves); });
+  add(has_gap, "loss factor", [&](const Work& w) { return loss_factor_section(w, curves); });
+  add(has_gap, "local slope", [&](const Work& w) { return slope_section(w, bands); });
+  add(
+      has_gap, "economy", [&](const Work& w) { return economy_section(w, bands); }, takes_long);
+  add(
+      true, "jump laws", [&](const Work& w) { return jump_section(w, curves); }, takes_long);
+  add(has_gap, "orbits", orbit_section);
+  add(is_paper, "regime map", map_section, takes_long);
+  add(has_gap, "limit cycles", limit_cycles_section, takes_long);
+  add(is_paper, "approximations", [&](const Work& w) { return approximation_section(w, bands); });
+  add(true, "speed against error", speed_section);
+  add(true, "a fractional model", [](const Work&) { return model_section(); });
+  add(
+      true, "time responses", [](const Work&) { return response_speed_section(); }, takes_long);
+  std::vector<Section> sections = stages.write(chapters, work, draw);
+  for (Section& section : sections) begin_with_findings(section);
+  add_sentences(sections.front(), work, bands, sections);
+  return sections;
 }
 
 void write_tables(const StagedFolder& folder, const std::vector<Section>& sections, const Provenance& provenance) {
@@ -319,6 +334,7 @@ void refuse_inputs_in_folder(const ReportOptions& options) {
 Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
              const std::string& trouble) {
   Page page;
+  page.before_contents = options.data.empty() ? 1 : 0;
   if (!options.data.empty()) {
     page.title = prose("page", "data-title");
     page.subtitle = prose("page", "data-subtitle");
@@ -370,7 +386,7 @@ ReportOutcome write_report(const ReportOptions& options) {
   const std::string& trouble = stages.trouble();
   Provenance provenance = provenance_of(options, work.scene);
   provenance.stages = stages.times();
-  sections.insert(sections.begin(), summary_section(sections));
+  if (!options.data.empty()) sections.insert(sections.begin(), summary_section(sections));
   sections.push_back(provenance_section(provenance, sections));
   write_tables(folder, sections, provenance);
   folder.write("results.json", results_json(provenance, sections, trouble.empty()));

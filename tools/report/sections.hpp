@@ -42,17 +42,28 @@ struct Curves {
 
 [[nodiscard]] Curves compute_curves(const Work& work);
 
-struct Bands;  // bands.hpp
+struct Bands;        // bands.hpp
+struct LoopPicture;  // loop_figures.hpp
+
+/// What the report finds, in six sentences and three pictures; its sentences come last, see add_sentences().
+[[nodiscard]] Section minute_section(const Work& work, const Bands& bands);
+/// The sentences, each between the pictures it belongs to, with numbers that are facts of the chapters.
+/// @param minute    of minute_section()
+/// @param chapters  all of the report
+void add_sentences(Section& minute, const Work& work, const Bands& bands, const std::vector<Section>& chapters);
 
 [[nodiscard]] Section curves_section(const Work& work, const Curves& curves);
-[[nodiscard]] Section fit_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
+/// Error against number of parameters, for each class of models.  Needs a clearance above 0.
+[[nodiscard]] Section economy_section(const Work& work, const Bands& bands);
 /// The law of -1/N: all curves as loss factor over dimensionless frequency.  Needs a clearance above 0.
 [[nodiscard]] Section loss_factor_section(const Work& work, const Curves& curves);
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 /// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);
-/// Loops around the two masses: exact limit cycles beside those of the describing function.  Needs a clearance above 0.
+/// A loop around the two masses with the controller (M1 + M2)(1 + s^0.5): needs a clearance above 0.
+[[nodiscard]] LoopPicture example_loop(const Work& work);
+/// Exact limit cycles beside those of the describing function.  Needs a clearance above 0.
 [[nodiscard]] Section limit_cycles_section(const Work& work);
 /// Needs a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
@@ -61,8 +72,8 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section model_section();
 /// Work-precision diagram of the time-response methods.
 [[nodiscard]] Section response_speed_section();
-/// Approximations of s^0.5 on four decades; does not depend on the scene.
-[[nodiscard]] Section approximation_section();
+/// Approximations of s^0.5 on four decades, and what they do to an order that is fitted through them.
+[[nodiscard]] Section approximation_section(const Work& work, const Bands& bands);
 /// Fits to a measured frequency response.
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables
