@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "fit_request.hpp"
+#include "frac/identification/economy.hpp"
 #include "frac/identification/outliers.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -69,17 +70,6 @@ std::vector<frac::FixedCurve> at_kept(std::vector<frac::FixedCurve> curves, cons
   return curves;
 }
 
-std::vector<frac::FixedCurve> fixed_curves(const py::dict& given, std::size_t points) {
-  std::vector<frac::FixedCurve> curves;
-  for (const auto& [name, value] : given) {
-    curves.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
-    if (curves.back().value.size() != points)
-      throw std::invalid_argument("curve " + curves.back().name + " has " + std::to_string(curves.back().value.size()) +
-                                  " values; expected one for each of the " + std::to_string(points) + " frequencies");
-  }
-  return curves;
-}
-
 py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
                            const py::dict& given, int threads) {
   const auto models = names.empty() ? frac::default_candidates() : models_of(names);
@@ -89,6 +79,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto fixed = fixed_curves(curves, all.size());
   std::vector<std::size_t> left_out;
   std::vector<std::string> notes;
+  bool met = false;
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);
     notes = notes_of(points);
@@ -100,6 +91,9 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
       notes.push_back(sentence);
       ranking = ranked();
     }
+    auto weighed = options;
+    if (options.weight == frac::Weight::learned) weighed.noise_floor = ranking.noise_floor;
+    met = frac::met_to_rounding(points.kept(), weighed, ranking);
     for (auto& each : ranking.ranking) points.restore_indices(each.fit.outliers);
     left_out = points.left_out();
     return ranking;
@@ -107,6 +101,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   py::dict dict = dict_of(result);
   dict["left_out"] = left_out;
   dict["notes"] = notes;
+  dict["without_noise"] = met;
   return dict;
 }
 
@@ -118,6 +113,7 @@ py::dict identify_record(const py::dict& data, const std::vector<std::string>& n
   py::dict dict = dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
   dict["left_out"] = py::list();
   dict["notes"] = py::list();
+  dict["without_noise"] = false;
   return dict;
 }
 
