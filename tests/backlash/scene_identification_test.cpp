@@ -12,7 +12,9 @@
 #include "backlash/basins.hpp"
 #include "backlash/identification/scene_comparison.hpp"
 #include "backlash/jump_frequency.hpp"
+#include "identification/scene_data.hpp"
 #include "identification/scene_response.hpp"
+#include "identification/scene_start.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -87,6 +89,82 @@ TEST(SceneResponse, AgreesWithTheOrbitAndWithDifferencesOnBothFamilies) {
       EXPECT_LT(support::relative_error(response->by_restitution, (h(0, step) - h(0, -step)) / (2 * step)), 1e-6);
     }
   }
+}
+
+// The first place that the law of -1/N gives.
+backlash::detail::SceneVector first_by_law(const std::vector<MeasuredDescribingFunction>& curves,
+                                           const backlash::detail::FixedScene& fixed) {
+  backlash::detail::SceneBounds bounds{{-20, -20, -20, 0}, {20, 20, 20, 1}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (fixed[k]) bounds.lower[k] = bounds.upper[k] = k == 3 ? *fixed[k] : std::log(*fixed[k]);
+  }
+  const auto starts = backlash::detail::law_starts(backlash::detail::scene_data(curves, {}), bounds, fixed, 5);
+  return starts.empty() ? backlash::detail::SceneVector{} : starts.front();
+}
+
+// N of closed orbits, found by letting the motion run, closed to 1e-12: a number of it is that near to the law, but for
+// the inverse of a difference of 1 - restitution, at most 10 here, and of two points of a line, a third of its range.
+TEST(SceneStart, TheLawGivesTheSceneFromOnePointOrTwo) {
+  support::Random random(32);
+  for (int round = 0; round < 40; ++round) {
+    const TwoMassSystem system(random.log_uniform(0.2, 5), random.log_uniform(0.2, 5), random.log_uniform(0.01, 1),
+                               random.uniform(0.1, 0.9));
+    const double force = random.log_uniform(1, 100);
+    const double breaking = backlash::detail::symmetry_breaking_gamma(system.restitution());
+    const double unit = std::sqrt(force / (breaking * system.mass2() * system.clearance()));
+    const double omega = unit * random.uniform(1.05, 1.2);
+    // Led in from below, since a load at rest may be left there.
+    const std::vector<double> led_in = {0.7 * unit, 0.8 * unit, 0.9 * unit, unit, omega, 1.2 * omega};
+    const auto sweep = describing_function_sweep(system, force, led_in);
+    ASSERT_EQ(sweep.points[4].regime, backlash::Regime::symmetric) << round;
+    ASSERT_EQ(sweep.points[5].regime, backlash::Regime::symmetric) << round;
+    const std::vector<Complex> value = sweep.data().value();
+    const frac::FrequencyResponseData data({omega, 1.2 * omega}, {value[4], value[5]});
+    const MeasuredDescribingFunction one{{{omega}, {value[4]}}, force};
+    const auto truth = truth_of(system);
+    const auto by_masses = first_by_law({one}, {truth[0], truth[1], {}, {}});
+    EXPECT_NEAR(std::exp(by_masses[2]) / truth[2], 1, 1e-9) << round;
+    EXPECT_NEAR(by_masses[3], truth[3], 1e-9) << round;
+    const auto by_restitution = first_by_law({one}, {truth[0], {}, {}, truth[3]});
+    EXPECT_NEAR(std::exp(by_restitution[1]) / truth[1], 1, 1e-8) << round;
+    EXPECT_NEAR(std::exp(by_restitution[2]) / truth[2], 1, 1e-8) << round;
+    const auto by_line = first_by_law({{data, force}}, {truth[0], {}, {}, {}});
+    EXPECT_NEAR(std::exp(by_line[1]) / truth[1], 1, 1e-8) << round;
+    EXPECT_NEAR(std::exp(by_line[2]) / truth[2], 1, 1e-8) << round;
+    EXPECT_NEAR(by_line[3], truth[3], 1e-9) << round;
+  }
+}
+
+// Two thirds of the points lie in chatter and chaos, whose pairs agree with none of the others.
+TEST(SceneStart, PointsThatAgreeOutvoteThoseOfOtherMotions) {
+  support::Random random(33);
+  const auto truth = truth_of(scene);
+  const auto found = first_by_law(measured(scene, 0.4, 3, 40, 0, random), {truth[0], {}, {}, {}});
+  EXPECT_NEAR(std::exp(found[1]) / truth[1], 1, 1e-8);
+  EXPECT_NEAR(std::exp(found[2]) / truth[2], 1, 1e-8);
+  EXPECT_NEAR(found[3], truth[3], 1e-9);
+}
+
+TEST(SceneStart, TheLawIsSilentWhereItSaysNothing) {
+  support::Random random(34);
+  using backlash::detail::law_starts;
+  using backlash::detail::scene_data;
+  const backlash::detail::SceneBounds bounds{{-20, -20, -20, 0}, {20, 20, 20, 1}};
+  SceneIdentificationOptions options;
+  const auto curves = measured(scene, band_lower, band_upper, 5, 0, random);
+  EXPECT_FALSE(law_starts(scene_data(curves, options), bounds, {}, 5).empty());
+  options.component = frac::Component::imaginary;
+  EXPECT_TRUE(law_starts(scene_data(curves, options), bounds, {}, 5).empty());
+  options = {};
+  options.output = Output::x2;
+  const auto of_forced = measured(scene, band_lower, band_upper, 5, 0, random, Output::x2);
+  EXPECT_TRUE(law_starts(scene_data(of_forced, options), bounds, {}, 5).empty());
+  // Energy that is given instead of taken, none at all, and a loss that restitution 1 has not.
+  const std::vector<MeasuredDescribingFunction> odd = {{{{1, 2, 3}, {{-1, -0.1}, {-1, 0}, {0, 0}}}, 1}};
+  EXPECT_TRUE(law_starts(scene_data(odd, {}), bounds, {}, 5).empty());
+  backlash::detail::FixedScene lossless;
+  lossless[3] = 1;
+  EXPECT_TRUE(law_starts(scene_data(curves, {}), bounds, lossless, 5).empty());
 }
 
 TEST(SceneIdentification, RecoversExactDataToRounding) {

@@ -2,6 +2,7 @@
 """Fits against truths, the command line and scipy."""
 
 import inspect
+import itertools
 import os
 import pickle
 
@@ -91,6 +92,38 @@ def test_a_formula_is_the_preset_that_it_is():
     assert other.limits == {"B1": (-np.inf, np.inf), "x": (-4, 4), "B2": (-np.inf, np.inf), "y": (-4, 4)}
     with pytest.raises(ValueError, match="did you mean lag"):
         fracfit.fit(data, "Lag")
+
+
+def test_a_power_law_of_one_part_is_that_of_the_command_line(tmp_path):
+    omega = 0.1 * 1.2 ** np.arange(40)
+    response = 100 * np.cos(np.arange(40)) - 3j * omega**-0.7
+    data = FrequencyResponse(omega, response)
+    result = fracfit.fit(data, "component-power-law", component="imaginary", outliers="keep")
+    # Exact data, whose last digit moves both by some roundings; the real part has no say.
+    np.testing.assert_allclose([result["K"], result["b"]], [-3, -0.7], rtol=0, atol=1e-11)
+    assert result.law.startswith("Im = K omega^b, a power law of the imaginary part alone") and result.law in repr(result)
+    np.testing.assert_allclose(result.predict(), 1j * response.imag, atol=1e-11)
+    assert pickle.loads(pickle.dumps(result)) == result
+    # With noise, which a law of one part weighs by that part: so do its intervals.
+    response.imag *= 1 + 0.01 * np.random.default_rng(4).standard_normal(40)
+    noisy = FrequencyResponse(omega, response)
+    path = tmp_path / "part.csv"
+    path.write_text("\n".join(["omega_rad_s,re,im", *(f"{w!r},{z.real!r},{z.imag!r}" for w, z in zip(omega.tolist(), response.tolist()))]))
+    arguments = ("fit", path, "--model", "component-power-law", "--component", "imaginary", "--outliers", "keep")
+    found = command_line.json_of(*arguments, "--profile", "--bootstrap", 20)
+    result = fracfit.fit(noisy, "component-power-law", component="imaginary", outliers="keep")
+    same_as_command_line(found, result)
+    assert str(result.profile("b")[0]) in str(found) and str(result.bootstrap(20)["b"][0]) in str(found)
+    assert result.lack_of_fit()["adequate"]
+    assert fracfit.batch([noisy], "component-power-law", component="imaginary", outliers="keep")[0] == result
+    assert fracfit.fit(noisy, "lag").law is None
+    for wrong, sentence in (
+        (lambda: fracfit.fit(noisy, "component-power-law"), "component both: component-power-law is a power law of one part"),
+        (lambda: fracfit.identify(noisy, ["component-power-law"]), "is one of fit and batch"),
+        (lambda: fracfit.fit(fracfit.read(STEP), "component-power-law"), "no meaning with samples over time"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            wrong()
 
 
 def test_what_helps_is_said_in_words_of_python():
@@ -330,6 +363,97 @@ def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
     result = fracfit.identify(fracfit.read(path), models)
     assert result.next_measurement == (found["lower"], found["upper"], found["points"])
     assert (result.next_accuracy, result.next_evidence) == (found["accuracy"], found["expected_evidence"])
+
+
+def test_economy_of_the_command_line(tmp_path):
+    path = tmp_path / "scene.csv"
+    arguments = ("--force", 40, "--clearance", 0.3, "--restitution", 0.6, "--omega", "19.1:35:24")
+    path.write_text(command_line.run("simulate", *arguments, "--format", "csv"))
+    found = command_line.json_of("identify", path, "--models", "power-law,lag", "--component", "imaginary")["economy"]
+    data = fracfit.read(path)
+    static = fracfit.static_describing_function(data.omega, force=40, clearance=0.3).response
+    result = fracfit.economy(data, component="imaginary", curves={"static-backlash": static})
+    assert {name: getattr(result, name) for name in found} == found
+    # Integer powers follow it better than real ones: K1/s^3 + K2 s to 0.173 % of 160 points, K s^a to 1.63 %.
+    assert result.needs["integer-powers-of-s"][:2] == (2, 3) and result.needs["real-powers"][0] == 4
+    assert result.needs["static-backlash"] == (None, None, None)
+    assert result.verdict == "integer-cheaper" and result.sentence in repr(result)
+    count, error = result.points("rational")
+    assert (np.diff(count) > 0).all() and (np.diff(error) < 0).all()
+    # The same from identify, which knows the file as computed; a model need not meet it.
+    identified = fracfit.identify(data, ["power-law", "lag"], component="imaginary", curves={"static-backlash": static})
+    assert identified.without_noise and "`economy`" in repr(identified)
+    before = pickle.loads(pickle.dumps(identified))
+    assert identified.economy == result
+    after = pickle.loads(pickle.dumps(identified))
+    assert before.economy == after.economy == result and before == identified == after
+
+
+def least_error(target, columns):
+    """Of the best real coefficients, relative to the target."""
+    scaled = np.stack(columns, axis=1) / target[:, None]
+    left = 1 - scaled @ np.linalg.lstsq(scaled, np.ones(len(target)), rcond=None)[0]
+    return np.sqrt(np.mean(left**2))
+
+
+def test_economy_of_laws_that_are_known():
+    power = fracfit.economy(Model("2.5 s^0.4").frequency_response(OMEGA), most_parameters=4)
+    assert power.needs["real-powers"] == power.needs["commensurate"] == power.needs["terms"] == (2, 2, 2)
+    assert power.needs["integer-powers-of-s"][2] is None and power.verdict == "fractional-cheaper"
+    assert power.points("real-powers")[1][-1] < power.rounding
+    whole = fracfit.economy(Model("3/s^3 + 2 s").frequency_response(OMEGA), component="imaginary", most_parameters=4)
+    assert whole.needs["integer-powers-of-s"] == whole.needs["integer-powers-of-omega"] == (2, 2, 2)
+    assert whole.needs["real-powers"] == (4, 4, 4) and whole.verdict == "integer-cheaper"
+    assert whole.curves[1]["points"][-1]["model"] == "3 s^(-3) + 2 s" and whole.curves[1]["points"][-1]["proven"]
+
+
+def test_economy_of_powers_is_that_of_scipy():
+    omega = np.linspace(1, 4, 25)
+    data = FrequencyResponse(omega, Model("1/(1 + (2 s)^0.8)^0.6")(1j * omega))
+    target = data.response.imag
+    found = fracfit.economy(data, component="imaginary", most_parameters=4)
+    assert len(found.points("real-powers")[0]) == 2
+    # Every subset of whole powers; the library's least squares and these differ by rounding.
+    powers = np.arange(-9, 10)
+    for count, error in list(zip(*found.points("integer-powers-of-omega")))[:3]:
+        subsets = itertools.combinations(powers, count)
+        least = min(least_error(target, [omega ** float(n) for n in subset]) for subset in subsets)
+        assert error == pytest.approx(least, rel=1e-6, abs=1e-10)
+    # Real powers from 20 random starts: the library's search ends within 1e-9 of the cost, scipy's no better.
+    chance = np.random.default_rng(7)
+    for count, error in zip(*found.points("real-powers")):
+        def cost(orders):
+            return least_error(target, [omega**order for order in orders])
+
+        starts = chance.uniform(-9, 9, (20, count // 2))
+        limits = [(-9, 9)] * (count // 2)
+        least = min(optimize.minimize(cost, start, bounds=limits).fun for start in starts)
+        assert error <= least * 1.0001
+
+
+def test_identify_tells_data_without_noise():
+    exact = fracfit.identify(EXACT, ["fractional-lag"])
+    assert exact.without_noise and exact.economy.needs["terms"][2] == 3
+    chance = np.random.default_rng(2)
+    noisy = fracfit.identify(FrequencyResponse(OMEGA, EXACT.response * (1 + 1e-6 * chance.standard_normal(20))), ["fractional-lag"])
+    assert not noisy.without_noise and noisy.economy is None and "economy" not in repr(noisy)
+    assert fracfit.identify(fracfit.read(STEP), ["lag"]).economy is None
+    real_at_once = FrequencyResponse([0.1, 1, 2], [3, 1 - 1j, 0.5 - 2j], metadata={"computed_by": "hand"})
+    zero = fracfit.identify(real_at_once, ["gain"], component="both", weight="absolute")
+    assert zero.economy.most_parameters == 5
+    zero = fracfit.identify(real_at_once, ["power-law"], component="imaginary", weight="absolute")
+    with pytest.raises(ValueError, match="the imaginary part at omega = 0.1 rad/s is 0, where no relative error exists"):
+        zero.economy
+    for option, sentence in (
+        ({"component": "phase"}, "component phase"),
+        ({"most_parameters": 9}, "most parameters = 9"),
+        ({"largest_power": 10}, "largest power = 10"),
+        ({"curves": {"short": [1, 2]}}, "2 values; expected one for each of the 20"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            fracfit.economy(EXACT, **option)
+    with pytest.raises(ValueError, match="expected FrequencyResponse"):
+        fracfit.economy([1, 2])
 
 
 def test_batch_is_each_fit_alone():

@@ -17,6 +17,8 @@ constexpr double table_accuracy = 0.01;
 constexpr double other_motion = 0.1;
 // Share of points that lie on another motion than the scene's definite one, or are outliers.
 constexpr double expected_exceptions = 0.05;
+// Share of N to which a motion in closed form, or with exact chatter, and the same one simulated agree.
+constexpr double same_motion = 1e-5;
 // Sizes below this share of the median count as it: a point that is 0 would cost or gain without limit.
 constexpr double least_size = 1e-3;
 
@@ -129,12 +131,16 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
     if (choice.used) continue;
     const MeasuredPoint& point = data.points[i];
     const auto motions = motions_of_starts(gamma_at(local.theta, point), local.theta[3]);
+    const PointChoice compared = choice;
     double least = price_left_out(data, choice, i);
     for (const StartedMotion& motion : motions) {
       PointChoice other;
       other.model = point_value(coefficients, point, motion.h);
       other.means = static_cast<int>(motions.size());
       const double size = std::max(std::abs(other.model), least_size * data.typical);
+      // The motion that the point lies off is none the nearer for being found again.
+      if (compared.kind != PointChoice::Kind::none && std::abs(other.model - compared.model) <= same_motion * size)
+        continue;
       other.accuracy =
           std::hypot(motion.closes ? 0 : long_mean_accuracy, deviation * data.deviation(point, other.model) / size);
       const double price = price_left_out(data, other, i);

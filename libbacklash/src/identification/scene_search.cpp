@@ -172,7 +172,8 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
   const auto starts_of = [&](bool rate_irregular, std::size_t count) {
     return scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, count);
   };
-  const std::vector<SceneVector> regular = starts_of(false, two_impact_starts);
+  std::vector<SceneVector> regular = law_starts(data, known.bounds, known.fixed, two_impact_starts);
+  if (regular.empty()) regular = starts_of(false, two_impact_starts);
   searcher.glance(given_start(known, regular));
   searcher.glance(
       {regular.begin(), regular.begin() + static_cast<std::ptrdiff_t>(std::min(regular.size(), starts_of_first_look))});

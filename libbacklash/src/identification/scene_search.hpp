@@ -25,9 +25,10 @@ struct SceneSearch {
   std::size_t starts_at_best = 0;
 };
 
-/// Looks for the scene of greatest evidence: from the best places of a grid, where data without irregular points are
-/// explained at once; else also from where the orbits of two impacts alone explain part of the data best, and from more
-/// places of a grid that knows the means of irregular motion.
+/// Looks for the scene of greatest evidence: from the places that the law of -1/N gives, or the best places of a grid
+/// where the data have none, where data without irregular points are explained at once; else also from where the orbits
+/// of two impacts alone explain part of the data best, and from more places of a grid that knows the means of irregular
+/// motion.
 /// @param jumps  values of mass2 clearance, see scene_starts
 [[nodiscard]] SceneSearch search_scene(const SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
                                        int threads);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <utility>
 
 #include "frac/cancellation.hpp"
 #include "response_table.hpp"
@@ -41,13 +43,56 @@ struct Masses {
   double mass1, mass2;
 };
 
+std::optional<double> known_mass2(double log_product, const FixedScene& fixed) {
+  if (!fixed[1] && fixed[2]) return std::exp(log_product) / *fixed[2];
+  return fixed[1];
+}
+
+// Both masses of a total: what is known of either stands, and halves where nothing is.
+Masses shares_of(double total, std::optional<double> mass1, std::optional<double> mass2) {
+  if (mass1) return {*mass1, mass2 ? *mass2 : std::max(total - *mass1, 0.05 * total)};
+  if (mass2) return {std::max(total - *mass2, 0.05 * *mass2), *mass2};
+  return {0.5 * total, 0.5 * total};
+}
+
+SceneVector scene(const Masses& masses, double log_product, double restitution, const SceneBounds& bounds) {
+  SceneVector theta{std::log(masses.mass1), std::log(masses.mass2), 0, restitution};
+  theta[2] = log_product - theta[1];
+  for (std::size_t k = 0; k < 4; ++k) theta[k] = std::clamp(theta[k], bounds.lower[k], bounds.upper[k]);
+  return theta;
+}
+
+// Points that rate a place: all, or some of them all over the curves.
+std::vector<std::size_t> rating_points(const SceneData& data) {
+  std::vector<std::size_t> points;
+  const std::size_t stride = (data.points.size() + most_points - 1) / most_points;
+  for (std::size_t i = 0; i < data.points.size(); i += stride) points.push_back(i);
+  return points;
+}
+
+// The best that are not near each other.
+std::vector<SceneVector> best_apart(std::vector<RatedStart> rated, std::size_t count) {
+  std::stable_sort(rated.begin(), rated.end(),
+                   [](const RatedStart& one, const RatedStart& other) { return one.cost < other.cost; });
+  std::vector<SceneVector> starts;
+  std::vector<const RatedStart*> taken;
+  for (const RatedStart& candidate : rated) {
+    const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const RatedStart* other) {
+      return std::abs(candidate.log_product - other->log_product) < near_log &&
+             std::abs(candidate.theta[3] - other->theta[3]) < near_restitution;
+    });
+    if (is_near) continue;
+    taken.push_back(&candidate);
+    starts.push_back(candidate.theta);
+    if (starts.size() == count) break;
+  }
+  return starts;
+}
+
 class NodeRater {
  public:
   NodeRater(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed)
-      : data_(data), bounds_(bounds), fixed_(fixed) {
-    const std::size_t stride = (data.points.size() + most_points - 1) / most_points;
-    for (std::size_t i = 0; i < data.points.size(); i += stride) points_.push_back(i);
-  }
+      : data_(data), bounds_(bounds), fixed_(fixed), points_(rating_points(data)) {}
 
   [[nodiscard]] std::optional<RatedStart> rate(const Node& node) const {
     std::vector<KnownPoint> known;
@@ -81,7 +126,7 @@ class NodeRater {
   };
 
   [[nodiscard]] RatedStart rate(const Node& node, std::vector<KnownPoint> known) const {
-    const SceneVector theta = scene(node, masses(node, known));
+    const SceneVector theta = scene(masses(node, known), node.log_product, node.restitution, bounds_);
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     double cost = 0;
     for (const std::size_t i : points_) {
@@ -106,8 +151,7 @@ class NodeRater {
 
   // N omega^2 = -a h for x1 and -b (1 - h) - a h for x2, a = 1/(mass1 + mass2) and b = 1/mass2.
   [[nodiscard]] Masses masses(const Node& node, std::vector<KnownPoint>& known) const {
-    std::optional<double> mass2 = fixed_[1];
-    if (!mass2 && fixed_[2]) mass2 = std::exp(node.log_product) / *fixed_[2];
+    const std::optional<double> mass2 = known_mass2(node.log_product, fixed_);
     if (mass2 && fixed_[0]) return {*fixed_[0], *mass2};
     const bool two_unknown = data_.output == Output::x2 && !mass2 && data_.component != frac::Component::imaginary;
     const bool difference_only = data_.output == Output::x2 && data_.component == frac::Component::imaginary;
@@ -181,18 +225,8 @@ class NodeRater {
       }
       return {0.5 / a, 0.5 / a};
     }
-    const double total = 1 / a;
     if (!mass2 && data_.output == Output::x2 && b > 0) mass2 = 1 / b;
-    if (fixed_[0]) return {*fixed_[0], mass2 ? *mass2 : std::max(total - *fixed_[0], 0.05 * total)};
-    if (mass2) return {std::max(total - *mass2, 0.05 * *mass2), *mass2};
-    return {0.5 * total, 0.5 * total};
-  }
-
-  [[nodiscard]] SceneVector scene(const Node& node, const Masses& masses) const {
-    SceneVector theta{std::log(masses.mass1), std::log(masses.mass2), 0, node.restitution};
-    theta[2] = node.log_product - theta[1];
-    for (std::size_t k = 0; k < 4; ++k) theta[k] = std::clamp(theta[k], bounds_.lower[k], bounds_.upper[k]);
-    return theta;
+    return shares_of(1 / a, fixed_[0], mass2);
   }
 
   const SceneData& data_;
@@ -231,21 +265,76 @@ std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& 
       }
     }
   }
-  std::stable_sort(rated.begin(), rated.end(),
-                   [](const RatedStart& one, const RatedStart& other) { return one.cost < other.cost; });
-  std::vector<SceneVector> starts;
-  std::vector<const RatedStart*> taken;
-  for (const RatedStart& candidate : rated) {
-    const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const RatedStart* other) {
-      return std::abs(candidate.log_product - other->log_product) < near_log &&
-             std::abs(candidate.theta[3] - other->theta[3]) < near_restitution;
-    });
-    if (is_near) continue;
-    taken.push_back(&candidate);
-    starts.push_back(candidate.theta);
-    if (starts.size() == count) break;
+  return best_apart(std::move(rated), count);
+}
+
+namespace {
+
+// What a point of x1 says if its motion has two symmetric impacts per period (tools/docs/methods/loss-factor.md).  With
+// a = (1+e)/(1-e), M = mass1 + mass2 and P = mass2 clearance
+//   Im(-1/N) = (pi/4) (M/a) omega^2,     Re N/Im N = (2 P a/(pi M))/(F |N|) - (pi/2) a.
+struct LawPoint {
+  double effective_mass;  // M/a, kg
+  double compliance;      // (2/pi)/(F |N| M/a), per kg m: times P, less (pi/2) a, is the ratio
+  double ratio;           // Re N/Im N
+};
+
+struct Groups {
+  double total, product, spread;  // M, P, a
+};
+
+}  // namespace
+
+std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
+                                    std::size_t count) {
+  constexpr double half_pi = std::numbers::pi / 2;
+  if (data.output != Output::x1 || data.component != frac::Component::both) return {};
+  const std::vector<std::size_t> rating = rating_points(data);
+  std::vector<LawPoint> points;
+  for (const std::size_t i : rating) {
+    const MeasuredPoint& point = data.points[i];
+    const double size = std::abs(point.value);
+    // Impacts take energy, so that Im N is positive.
+    if (!(point.value.imag() > 0)) continue;
+    const double mass = point.value.imag() / (half_pi / 2 * std::pow(size * point.omega, 2));
+    points.push_back({mass, 1 / (half_pi * point.force * size * mass), point.value.real() / point.value.imag()});
   }
-  return starts;
+  std::vector<RatedStart> rated;
+  const auto rate = [&](const Groups& groups) {
+    // A restitution from 0 on has a from 1 on, of which noise may fall short.
+    if (!(groups.spread > 0 && groups.product > 0 && std::isfinite(groups.product + groups.total))) return;
+    const double log_product = std::log(groups.product);
+    const SceneVector theta = scene(shares_of(groups.total, fixed[0], known_mass2(log_product, fixed)), log_product,
+                                    std::max(0.0, (groups.spread - 1) / (groups.spread + 1)), bounds);
+    const OutputCoefficients coefficients = output_coefficients(theta, data.output);
+    double cost = 0;
+    for (const std::size_t i : rating) {
+      const MeasuredPoint& point = data.points[i];
+      double least = data.robust_cost(point, std::nullopt);
+      if (const auto response = two_impact_response(gamma_at(theta, point), theta[3]))
+        least = std::min(least, data.robust_cost(point, point_value(coefficients, point, response->h)));
+      cost += least;
+    }
+    rated.push_back({theta, theta[1] + theta[2], cost});
+  };
+  std::optional<double> spread, total;
+  if (fixed[3]) spread = (1 + *fixed[3]) / (1 - *fixed[3]);
+  if (fixed[0] && fixed[1]) total = *fixed[0] + *fixed[1];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    frac::throw_if_cancelled();
+    if (spread || total) {
+      // One point suffices.
+      const double a = spread ? *spread : *total / points[i].effective_mass;
+      rate({a * points[i].effective_mass, (points[i].ratio + half_pi * a) / points[i].compliance, a});
+      continue;
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      const double product = (points[i].ratio - points[k].ratio) / (points[i].compliance - points[k].compliance);
+      const double a = (product * points[i].compliance - points[i].ratio) / half_pi;
+      rate({a * std::sqrt(points[i].effective_mass * points[k].effective_mass), product, a});
+    }
+  }
+  return best_apart(std::move(rated), count);
 }
 
 }  // namespace backlash::detail

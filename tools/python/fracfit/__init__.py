@@ -41,6 +41,7 @@ from ._model import Approximation, Margins, Model, Realisation, Stability, TimeR
 from ._special import derivative, mittag_leffler
 
 if TYPE_CHECKING:
+    from ._economy import Economy, economy
     from ._fit import (
         BatchResult,
         CustomCircuit,
@@ -77,6 +78,7 @@ _LATER = {
         ),
         "_fit",
     ),
+    **dict.fromkeys(("Economy", "economy"), "_economy"),
     "plot_bode": "plots",
     "plot_nyquist": "plots",
 }

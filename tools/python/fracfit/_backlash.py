@@ -14,6 +14,7 @@ from ._model import Model, _Record
 from ._text import html_table, reporter
 
 REGIMES: tuple[str, ...] = _core.regimes
+_COMPUTED = {"computed_by": "fracfit"}
 
 
 class _Points(_Record):
@@ -69,7 +70,7 @@ class DescribingFunction(_Points):
         response = self.response  # type: ignore[attr-defined]
         if response.ndim != 1:
             raise ValueError(f"there are curves of the shape {response.shape[:-1]}; take one of `response`")
-        return FrequencyResponse(self.omega, response, unit="m/N")  # type: ignore[attr-defined]
+        return FrequencyResponse(self.omega, response, unit="m/N", metadata=_COMPUTED)  # type: ignore[attr-defined]
 
 
     @property
@@ -157,7 +158,7 @@ def static_describing_function(
     """
     omega = real_array(omega, "omega")
     scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
-    return FrequencyResponse(omega, _core.static_describing_function(*scene, omega), unit="m/N")
+    return FrequencyResponse(omega, _core.static_describing_function(*scene, omega), unit="m/N", metadata=_COMPUTED)
 
 
 def symmetric_loss_factor(restitution: float) -> float:

@@ -28,7 +28,7 @@ class FrequencyResponse:
     frequency_unit : {"rad/s", "Hz"}
         In which sentences and pictures name a frequency; numbers are rad/s all the same.
     metadata : mapping, optional
-        Further facts, such as the header of a file.
+        Further facts, such as the header of a file.  ``computed_by`` names what computed values without noise.
 
     Raises
     ------
@@ -123,6 +123,11 @@ class FrequencyResponse:
     def phase(self) -> np.ndarray:
         """Phases, rad, without jumps by 2 pi."""
         return np.unwrap(np.angle(self._response))
+
+    @property
+    def is_computed(self) -> bool:
+        """The metadata name a computation that made the values: they have no noise."""
+        return "computed_by" in self.metadata or self.metadata.get("command", "").startswith("fracfit simulate ")
 
     def where(self, *conditions: Any) -> FrequencyResponse:
         """The points that satisfy all conditions.

@@ -8,7 +8,7 @@ import math
 import re
 import warnings
 from functools import cached_property
-from typing import Any, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._model import EXACT, Model, realisation_of, _equal, _Record
 from ._text import escaped, html_table, reporter, short
+
+if TYPE_CHECKING:
+    from ._economy import Economy
 
 try:
     from . import _fitting
@@ -60,6 +63,8 @@ class FitResult:
         What became of each prior: name, value, deviation, relative, distance, conflict and share.
     growth : dict or None
         After ``grow``: the structures tried (fits), which was chosen, and the reason why it went no further.
+    law : str or None
+        Of the model ``"component-power-law"``: what it says, which its formula does not.
 
     Examples
     --------
@@ -145,7 +150,8 @@ class FitResult:
 
     def summary(self) -> str:
         """A few lines for a person."""
-        return _with_advice(_fitting.summary(self._values), self._values["advice"])
+        lines = _with_advice(_fitting.summary(self._values), self._values["advice"])
+        return lines + "\n" + self.law if self.law else lines
 
     def predict(self, omega: Any = None) -> np.ndarray:
         """Fitted values: at frequencies (rad/s, any order), or of a record over time at its own instants."""
@@ -215,7 +221,7 @@ class FitResult:
         return self._data[np.delete(np.arange(len(self._data)), left_out)]._arrays()
 
     def _request(self) -> dict[str, Any]:
-        made_with = ("component", "constraints", "global_start")
+        made_with = ("component", "constraints", "global_start", "law")
         return {**self._options, **{key: self._values[key] for key in made_with}}
 
     def __getitem__(self, name: str) -> float:
@@ -295,7 +301,8 @@ def fit(
     data : FrequencyResponse or TimeSeries
         What is fitted.
     model : Model or str
-        A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``.
+        A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``; or
+        ``"component-power-law"``, K omega^b as one part of a response by itself, which no transfer function has.
     grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms"}, optional
         Instead of a model a family, grown by a term at a time while the data pay for it.
     component : {"both", "imaginary", "real", "magnitude", "phase"}
@@ -344,7 +351,7 @@ def fit(
         raise ValueError("give either model, the structure, or grow, the family to grow it in")
     if grow is not None and (prior or constraint):
         raise ValueError("prior and constraint do not go with grow, whose parameters the data choose")
-    name, starts = ("", {}) if model is None else _structure(model)
+    name, starts = ("", {}) if model is None else _structure(model, of_one_part=True)
     options = {
         "grow": None if grow is None else text(grow, "grow"),
         "component": component,
@@ -473,7 +480,7 @@ def batch(
     array([1., 2.])
     """
     curves = _curves(data)
-    name, starts = _structure(model)
+    name, starts = _structure(model, of_one_part=True)
     known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
     beforehand = ("fixed", "bounds", "start", "prior", "constraint")
     request: dict[str, Any] = {"realisation": EXACT}
@@ -517,6 +524,9 @@ class Identification(_Record):
         Points that contradict their neighbours on both sides and were left out.
     component : str or None
         Part of a response that was fitted.
+    without_noise : bool
+        The data are computed ones, by their metadata or since a model meets them to 1e-9: odds and intervals mean nothing
+        there, and `economy` is what they answer.
     usable : bool
     """
 
@@ -525,8 +535,29 @@ class Identification(_Record):
         """The chosen fit."""
         return self.ranking[self.chosen]["fit"]  # type: ignore[attr-defined]
 
+    @property
+    def economy(self) -> Economy | None:
+        """Of data without noise how many parameters each class of models needs, see `fracfit.economy`; else None.
+
+        It takes some seconds of processor time, when it is first asked for.
+
+        Raises
+        ------
+        ValueError
+            The component that was fitted is none of both, imaginary and real, or is 0 at a point.
+        """
+        if not self.without_noise:  # type: ignore[attr-defined]
+            return None
+        if not hasattr(self, "_economy"):
+            from ._economy import economy
+
+            self._economy = economy(**self._of)  # type: ignore[attr-defined]
+        return self._economy
+
     def __repr__(self) -> str:
-        return self.summary  # type: ignore[attr-defined, no-any-return]
+        if not self.without_noise:  # type: ignore[attr-defined]
+            return self.summary  # type: ignore[attr-defined, no-any-return]
+        return self.summary + "\nThese data carry no noise: how many parameters buy which error is said by `economy`."  # type: ignore[attr-defined]
 
     def _repr_html_(self) -> str:
         rows = []
@@ -595,10 +626,19 @@ def identify(
     for each in found["ranking"]:
         each["fit"]["left_out"] = found["left_out"]
         each["fit"]["component"] = found["component"]
-        each["fit"]["growth"] = None
+        each["fit"]["growth"] = each["fit"]["law"] = None
         each["fit"]["constraints"] = each.pop("constraints")
         each["fit"]["global_start"] = not each["from_family"]
         each["fit"] = FitResult(each["fit"], data, options)
+    if isinstance(data, FrequencyResponse):
+        kept = np.delete(np.arange(len(data)), found["left_out"])
+        found["without_noise"] = found["without_noise"] or data.is_computed
+        found["_of"] = {
+            "data": data[kept],
+            "curves": {name: value[kept] for name, value in given.items()},
+            "component": component,
+            "threads": threads,
+        }
     return Identification(found)
 
 
@@ -896,14 +936,19 @@ def _warn(notes: Sequence[str]) -> None:
 _WORD = re.compile("[a-z][a-z_-]{3,}")
 
 
-def _structure(model: Model | str) -> tuple[str, dict[str, float]]:
+_LAW_OF_ONE_PART = "component-power-law"
+
+
+def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, dict[str, float]]:
     if isinstance(model, Model):
         return model.formula, model.parameters
     if not isinstance(model, str):
         raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
     if not _WORD.fullmatch(model):
         return model, {}
-    known = [*presets(), "rational", "commensurate", "terms"]
+    if model == _LAW_OF_ONE_PART and not of_one_part:
+        raise ValueError(f"model {model!r} is one of fit and batch, which fit one part of a response by itself")
+    known = [*presets(), "rational", "commensurate", "terms", _LAW_OF_ONE_PART]
     if model not in known:
         near = difflib.get_close_matches(model.replace("_", "-"), known, 1)
         raise ValueError(

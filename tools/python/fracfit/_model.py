@@ -38,13 +38,17 @@ class _Record:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        mine, others = self.__dict__, other.__dict__
+        mine, others = self._values(), other._values()
         return mine.keys() == others.keys() and all(_equal(mine[key], others[key]) for key in mine)
 
     __hash__ = None  # type: ignore[assignment]
 
+    def _values(self) -> dict[str, Any]:
+        # Names with an underscore are of what a result was made from, and of what was worked out later.
+        return {name: value for name, value in self.__dict__.items() if not name.startswith("_")}
+
     def _rows(self) -> list[tuple[str, str]]:
-        return [(name, _shown(value)) for name, value in self.__dict__.items() if name != "summary" and not _is_empty(value)]
+        return [(name, _shown(value)) for name, value in self._values().items() if name != "summary" and not _is_empty(value)]
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}:\n" + "\n".join(f"  {name} = {value}" for name, value in self._rows())

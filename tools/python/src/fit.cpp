@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "fit_request.hpp"
 #include "frac/cancellation.hpp"
+#include "frac/identification/component_power_law.hpp"
 #include "frac/identification/derived.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
@@ -26,15 +27,20 @@ struct Request {
   frac::NamedModel model;
   std::optional<frac::GrowthFamily> grow;
   std::vector<frac::ParameterConstraint> constraints;
+  std::string law = {};  // what the model says in words where it is a law of one part of a response
 };
 
 // Some names and ranges are known with the data only.
-Request request_of(const std::string& name, const py::dict& given) {
+// @param component  of a response; none over time
+Request request_of(const std::string& name, const py::dict& given, std::optional<frac::Component> component) {
   Request request{};
   std::string unnamed;
   if (given.contains("grow") && !given["grow"].is_none()) {
     request.grow = frac::growth_family_from_string(given["grow"].cast<std::string>());
     if (!frac::names_persist(*request.grow)) unnamed = frac::to_string(*request.grow);
+  } else if (component && name == frac::component_power_law_name) {
+    request.model = frac::component_power_law(*component);
+    request.law = frac::component_power_law_sentence(*component);
   } else {
     request.model = frac::find_model(name);
     if (request.model.is_family()) unnamed = name;
@@ -46,8 +52,8 @@ Request request_of(const std::string& name, const py::dict& given) {
   return request;
 }
 
-// A fit with the constraints and the kind of start it was made with, the points it left out and what is told of these,
-// kept as it is until Python asks for its values.
+// A fit with the constraints and the kind of start it was made with, the points it left out and what is told of these
+// and of its law, kept as it is until Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
@@ -56,6 +62,7 @@ struct Fitted {
   std::vector<std::size_t> left_out = {};
   std::vector<std::string> notes = {};
   std::optional<frac::Component> component = {};  // that was fitted; none over time
+  std::string law = {};
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -81,18 +88,23 @@ Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& 
   std::vector<std::string> notes = settle_component(options, data);
   frac::ScreenedData points(data, options, keep);
   for (auto& note : notes_of(points)) notes.push_back(std::move(note));
-  Fitted fit = fitted(points.kept(), request, options);
+  const auto fitted_part = [&] {
+    return fitted(request.law.empty() ? points.kept() : frac::component_alone(points.kept(), options.component),
+                  request, options);
+  };
+  Fitted fit = fitted_part();
   auto made_with = options;
   made_with.constraints = fit.constraints;
   made_with.global_start = fit.global_start;
   if (const auto sentence = points.take_back_met(made_with, fit.result); !sentence.empty()) {
     notes.push_back(sentence);
-    fit = fitted(points.kept(), request, options);
+    fit = fitted_part();
   }
   points.restore_indices(fit.result.outliers);
   fit.left_out = points.left_out();
   fit.notes = std::move(notes);
   fit.component = options.component;
+  fit.law = request.law;
   return fit;
 }
 
@@ -103,6 +115,7 @@ py::dict dict_of_fitted(const Fitted& fit) {
   result["global_start"] = fit.global_start;
   result["left_out"] = fit.left_out;
   result["component"] = fit.component ? py::object(py::str(std::string(frac::to_string(*fit.component)))) : py::none();
+  result["law"] = fit.law.empty() ? py::object(py::none()) : py::str(fit.law);
   result["growth"] = py::none();
   if (fit.growth) {
     py::list fits;
@@ -122,8 +135,8 @@ bool is_short(const frac::FrequencyResponseData& points, const Request& request,
 }
 
 Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
-  const Request request = request_of(name, given);
   const frac::FitOptions options = fit_options(given);
+  const Request request = request_of(name, given, options.component);
   const frac::FrequencyResponseData points = spectrum_of(data);
   const bool keep = keeps_outliers(given);
   const auto work = [&] { return fitted_to_others(points, request, options, keep); };
@@ -132,7 +145,9 @@ Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dic
 }
 
 Fitted fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
-  const Request request = request_of(name, given);
+  if (name == frac::component_power_law_name)
+    throw std::invalid_argument("model " + name + " has no meaning with samples over time");
+  const Request request = request_of(name, given, std::nullopt);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
   return result_of([&](frac::Progress&) { return fitted(record, request, options); });
@@ -141,8 +156,8 @@ Fitted fit_record(const py::dict& data, const std::string& name, const py::dict&
 // One fit or one sentence for each set of data.
 py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
                   const py::object& report) {
-  const Request request = request_of(name, given);
   const frac::FitOptions options = fit_options(given);
+  const Request request = request_of(name, given, options.component);
   const bool keep = keeps_outliers(given);
   std::vector<frac::FrequencyResponseData> curves;
   for (const auto& each : data) curves.push_back(spectrum_of(each.cast<py::dict>()));
@@ -177,7 +192,9 @@ template <typename Work>
 auto on_data(const py::dict& data, const py::dict& given, const Work& work) {
   if (data.contains("omega")) {
     const frac::FitOptions options = fit_options(given);
-    const frac::FrequencyResponseData points = spectrum_of(data);
+    const frac::FrequencyResponseData all = spectrum_of(data);
+    const frac::FrequencyResponseData points =
+        given["law"].is_none() ? all : frac::component_alone(all, options.component);
     return result_of([&](frac::Progress&) { return work(points, options); });
   }
   const frac::TimeFitOptions options = time_fit_options(given);

@@ -172,6 +172,17 @@ frac::TimeResponseData record_of(const py::dict& data) {
   return record.observed_at({kept.data(), kept.data() + kept.size()});
 }
 
+std::vector<frac::FixedCurve> fixed_curves(const py::dict& given, std::size_t points) {
+  std::vector<frac::FixedCurve> curves;
+  for (const auto& [name, value] : given) {
+    curves.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
+    if (curves.back().value.size() != points)
+      throw std::invalid_argument("curve " + curves.back().name + " has " + std::to_string(curves.back().value.size()) +
+                                  " values; expected one for each of the " + std::to_string(points) + " frequencies");
+  }
+  return curves;
+}
+
 std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const py::dict& given) {
   auto constraints = model.constraints;
   constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/identify.hpp"
 #include "frac/identification/model_library.hpp"
 #include "frac/identification/outliers.hpp"
 #include "frac/identification/time_fit.hpp"
@@ -30,6 +31,9 @@ namespace python {
 /// Data from a dict of arrays: omega, response, sigma; time, input, output, sigma, hold, input_at_rest, kept.
 [[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);
 [[nodiscard]] frac::TimeResponseData record_of(const pybind11::dict& data);
+
+/// Curves by their names, of a value for each of the points.
+[[nodiscard]] std::vector<frac::FixedCurve> fixed_curves(const pybind11::dict& given, std::size_t points);
 
 /// The constraints of a model with what "fixed", "bounds", "start", "prior" and "constraint" of the options add to
 /// them.

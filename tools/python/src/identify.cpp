@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "fit_request.hpp"
+#include "frac/identification/economy.hpp"
 #include "frac/identification/outliers.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -69,17 +70,6 @@ std::vector<frac::FixedCurve> at_kept(std::vector<frac::FixedCurve> curves, cons
   return curves;
 }
 
-std::vector<frac::FixedCurve> fixed_curves(const py::dict& given, std::size_t points) {
-  std::vector<frac::FixedCurve> curves;
-  for (const auto& [name, value] : given) {
-    curves.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
-    if (curves.back().value.size() != points)
-      throw std::invalid_argument("curve " + curves.back().name + " has " + std::to_string(curves.back().value.size()) +
-                                  " values; expected one for each of the " + std::to_string(points) + " frequencies");
-  }
-  return curves;
-}
-
 py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
                            const py::dict& given, int threads) {
   const auto models = names.empty() ? frac::default_candidates() : models_of(names);
@@ -89,6 +79,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto fixed = fixed_curves(curves, all.size());
   std::vector<std::size_t> left_out;
   std::vector<std::string> notes = settle_component(options, all);
+  bool met = false;
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);
     for (auto& note : notes_of(points)) notes.push_back(std::move(note));
@@ -100,6 +91,9 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
       notes.push_back(sentence);
       ranking = ranked();
     }
+    auto weighed = options;
+    if (options.weight == frac::Weight::learned) weighed.noise_floor = ranking.noise_floor;
+    met = frac::met_to_rounding(points.kept(), weighed, ranking);
     for (auto& each : ranking.ranking) points.restore_indices(each.fit.outliers);
     left_out = points.left_out();
     return ranking;
@@ -108,6 +102,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   dict["left_out"] = left_out;
   dict["notes"] = notes;
   dict["component"] = std::string(frac::to_string(options.component));
+  dict["without_noise"] = met;
   return dict;
 }
 
@@ -120,6 +115,7 @@ py::dict identify_record(const py::dict& data, const std::vector<std::string>& n
   dict["left_out"] = py::list();
   dict["notes"] = py::list();
   dict["component"] = py::none();
+  dict["without_noise"] = false;
   return dict;
 }
 

@@ -16,6 +16,7 @@ void add_orbits(pybind11::module_& module);
 void add_loops(pybind11::module_& module);
 
 // Parts of the fitting module.
+void add_economy(pybind11::module_& module);
 void add_fit(pybind11::module_& module);
 void add_identify(pybind11::module_& module);
 void add_tune(pybind11::module_& module);

@@ -132,9 +132,10 @@ struct SceneIdentification {
 /// estimates simulations from a dozen starts tell what the scene does there, and a point on a subharmonic orbit of it,
 /// say, costs as much less as it lies nearer to that.
 ///
-/// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, where
-/// the discontinuities of the data place the jump, and where the orbits of two impacts alone explain part of the data;
-/// the best places are solved by Levenberg and Marquardt's method in ln mass1, ln mass2, ln clearance and restitution,
+/// The search begins where the law of -1/N places pairs of points of x1, or single ones where both masses or the
+/// restitution are known (tools/docs/methods/loss-factor.md); on a grid over mass2 clearance and restitution, with the
+/// masses from linear least squares; where the discontinuities of the data place the jump, and where the orbits of two
+/// impacts alone explain part of the data; the best places are solved by Levenberg and Marquardt's method in ln mass1, ln mass2, ln clearance and restitution,
 /// and the estimate is the one of greatest evidence.  Others of nearly equal evidence are listed and stretch the
 /// intervals.
 /// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight

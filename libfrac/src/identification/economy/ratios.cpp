@@ -214,7 +214,7 @@ class Ratios {
       }
     }
     std::stable_sort(starts.begin(), starts.end(), cheaper);
-    constexpr std::size_t tried = 6, kept = 2;
+    constexpr std::size_t tried = 4, kept = 2;
     std::vector<RationalFit> fits;
     for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
       if (!std::isfinite(starts[i].cost)) break;
