@@ -72,7 +72,7 @@ class Search {
       if (settled() && (hopeless || only_start_ || (!walk_to_lower_cost() && settled()))) break;
     }
     finish_promising();
-    if (!exact() && !only_start_) cross_signs();
+    if (std::isfinite(result_.best.cost) && !exact() && !only_start_) cross_signs();
     if (at_best() == 1 && !exact() && !only_start_) {
       const std::size_t independent = independent_;
       scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
