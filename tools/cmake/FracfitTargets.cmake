@@ -29,9 +29,9 @@ function(fracfit_library name)
 endfunction()
 
 # fracfit_precompiled(<target> [<level>]): parses the standard headers that most files include once, and for a library
-# compiled with -O<level> Eigen's core with them: for all targets of one level together, and for each program, which the
-# compiler takes for position-independent in another way.  A file still includes what it uses.  Files with compile options
-# of their own stay out of it.
+# compiled with -O2 or -O3 Eigen's core with them: for all targets of one level together, since GCC 14 takes no headers that
+# were parsed at another, and for each program, which the compiler takes for position-independent in another way.  A file
+# still includes what it uses.  Files with compile options of their own stay out of it.
 function(fracfit_precompiled target)
   set(headers <algorithm> <array> <cmath> <complex> <cstddef> <cstdint> <cstdio> <functional> <limits> <map> <memory>
       <numbers> <numeric> <optional> <span> <stdexcept> <string> <string_view> <utility> <vector>)
@@ -46,9 +46,11 @@ function(fracfit_precompiled target)
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/headers${level}.cpp CONTENT "")
     add_library(${parsed} OBJECT ${PROJECT_BINARY_DIR}/headers${level}.cpp)
     target_compile_features(${parsed} PRIVATE cxx_std_20)
-    if(level)
+    if(level GREATER 1)
       list(APPEND headers <Eigen/Core>)
       target_link_libraries(${parsed} PRIVATE Eigen3::Eigen)
+    endif()
+    if(level)
       target_compile_options(${parsed} PRIVATE $<$<CONFIG:Release>:-O${level}>)
     endif()
     fracfit_warnings(${parsed})
