@@ -178,9 +178,9 @@ TEST(ConfidenceOfOptimum, IsUnknownAfterALocalSolveAndCertainForAnExactFit) {
   EXPECT_TRUE(std::isnan(frac::fit(data, structure, options).confidence_of_optimum));
 }
 
-// 1/(M s^2) + d + c/s is linear in 1/M, d and c, but from one sign of M to the other the way leads through infinity.  Of
-// these data, which have no inertia, either sign comes; the least squares are solved by hand, and 1e-6 is what a cost that
-// has settled to 1e-10 leaves of rms.
+// 1/(M s^2) + d + c/s is linear in 1/M, d and c, but from one sign of M to the other the way leads through infinity. Of
+// these data, which have no inertia, either sign comes; the least squares are solved by hand, and 1e-6 is what a cost
+// that has settled to 1e-10 leaves of rms.
 TEST(GlobalSearch, CrossesFromOneSignOfAnInertiaToTheOther) {
   const frac::NamedModel model = frac::find_model("inertia-and-integrator");
   const Structure structure(model.formula);
@@ -191,8 +191,7 @@ TEST(GlobalSearch, CrossesFromOneSignOfAnInertiaToTheOther) {
   std::set<bool> signs;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const double order = (seed % 2 == 0 ? 1 : -1) * (0.25 + 0.05 * static_cast<double>(seed));
-    const FrequencyResponseData data = noisy("K s^a/(T s^a + 1)", {2, order, 0.7}, 1e-2, 1e2, 0.01,
-                                             seed);
+    const FrequencyResponseData data = noisy("K s^a/(T s^a + 1)", {2, order, 0.7}, 1e-2, 1e2, 0.01, seed);
     double w0 = 0, w1 = 0, w2 = 0, g0 = 0, g1 = 0, h1 = 0;
     for (std::size_t i = 0; i < data.size(); ++i) {
       const std::complex<double> value = data.value()[i];

@@ -124,8 +124,8 @@ TEST(Identify, DoesNotDependOnThreads) {
   for (std::size_t i = 0; i < one.ranking.size(); ++i) EXPECT_EQ(one.ranking[i].fit.cost, two.ranking[i].fit.cost);
 }
 
-// Whatever the ranking thinks of a structure, its row is the optimum of that structure: what fit() finds from other draws.
-// Two solves of one minimum agree to 1e-6; another minimum of these data is 2 % or more above.
+// Whatever the ranking thinks of a structure, its row is the optimum of that structure: what fit() finds from other
+// draws. Two solves of one minimum agree to 1e-6; another minimum of these data is 2 % or more above.
 TEST(Identify, EveryRowIsTheOptimumOfItsStructure) {
   frac::FitOptions options = both_parts();
   options.weight = frac::Weight::relative;

@@ -135,9 +135,9 @@ struct SceneIdentification {
 /// The search begins where the law of -1/N places pairs of points of x1, or single ones where both masses or the
 /// restitution are known (tools/docs/methods/loss-factor.md); on a grid over mass2 clearance and restitution, with the
 /// masses from linear least squares; where the discontinuities of the data place the jump, and where the orbits of two
-/// impacts alone explain part of the data; the best places are solved by Levenberg and Marquardt's method in ln mass1, ln mass2, ln clearance and restitution,
-/// and the estimate is the one of greatest evidence.  Others of nearly equal evidence are listed and stretch the
-/// intervals.
+/// impacts alone explain part of the data; the best places are solved by Levenberg and Marquardt's method in ln mass1,
+/// ln mass2, ln clearance and restitution, and the estimate is the one of greatest evidence.  Others of nearly equal
+/// evidence are listed and stretch the intervals.
 /// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
 ///     or contradictory; fewer residuals than free parameters; all data zero.

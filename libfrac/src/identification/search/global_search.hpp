@@ -35,9 +35,8 @@ enum class SearchAim { optimum, start };
 /// each; linear least squares for the coefficients gives two more starts, and so do draws with every order whole, where
 /// an integer-order structure lies inside.  Scouts that come near the best are finished on all residuals.  It ends when
 /// enough of them agree on the best cost and confidence_of_optimum() is high, after walks from the best minimum along
-/// the directions the data hardly resist have led nowhere lower.  Parameters of either sign are then tried with the other
-/// one.  If no two ever agree, NLopt's controlled random
-/// search tries the whole box.
+/// the directions the data hardly resist have led nowhere lower.  Parameters of either sign are then tried with the
+/// other one.  If no two ever agree, NLopt's controlled random search tries the whole box.
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
 /// @param hopeless  cost above which a minimum that enough agree on is left at that, without walks: something else
