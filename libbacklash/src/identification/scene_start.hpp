@@ -22,9 +22,8 @@ using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clear
 
 /// Places that the law of -1/N gives without a search, best first and not near each other: the scenes of single points
 /// of x1, where both masses or the restitution are known, else of all pairs of points, rated by how well the orbits of
-/// two impacts of each explain the others.  Where two
-/// points share a motion with two symmetric impacts per period their scene is that of all such points.  Empty for x2
-/// and for one component.
+/// two impacts of each explain the others.  Where two points share a motion with two symmetric impacts per period their
+/// scene is that of all such points.  Empty for x2 and for one component.
 [[nodiscard]] std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds,
                                                   const FixedScene& fixed, std::size_t count);
 

@@ -167,7 +167,7 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, de
   }
 }
 
-/// Times the best cost beyond which a candidate is no rival whatever its intervals: evidence of 300, of
+/// Times the best cost beyond which a candidate is no rival, and its intervals tell nothing: evidence of 300, of
 /// which correlated residuals may leave a tenth, or ten times where so few residuals give less.
 double by_far(std::size_t residuals) {
   return std::clamp(std::exp(300 / static_cast<double>(residuals)), 1.5, 10.0);

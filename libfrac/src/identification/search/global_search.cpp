@@ -16,10 +16,6 @@ namespace {
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
 constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
-// A structure that something else beats by far needs its optimum for its row of a ranking, and no walk beyond one found
-// several times: of some 2300 rows of presets, 60 files, three were more than 1 % from what fit() finds and none 10 %
-// (tests/benchmarks/ranking_rates).
-constexpr int least_rounds_beyond_hope = 1;
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
@@ -66,8 +62,11 @@ class Search {
     const int least = only_start_ ? least_rounds_for_a_start : least_rounds;
     for (int round = 0; round < most && !exact(); ++round) {
       scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      // A structure that something else beats by far needs its optimum for its row of a ranking, and no walk beyond one
+      // found several times: of some 2300 rows of presets, 60 files, three were more than 1 % from what fit() finds and
+      // none 10 % (tests/benchmarks/ranking_rates).
       const bool hopeless = is_hopeless();
-      if (round + 1 < (hopeless ? least_rounds_beyond_hope : least)) continue;
+      if (!hopeless && round + 1 < least) continue;
       finish_promising();
       if (settled() && (hopeless || only_start_ || (!walk_to_lower_cost() && settled()))) break;
     }
