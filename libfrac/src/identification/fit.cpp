@@ -15,7 +15,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/data/noise_floor.hpp"
-#include "identification/residuals/fit_problem.hpp"
+#include "identification/residuals/frequency_problem.hpp"
 #include "identification/search/frequency_search.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
@@ -101,7 +101,7 @@ struct Extent {
 constexpr double narrow = 0.1;
 
 /// Wide intervals follow the cost instead of its curvature at the minimum.
-void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
+void follow_cost(FitResult& result, const detail::FrequencyProblem& problem, const detail::LocalSolution& solution,
                  const detail::Confidence& found, detail::Profiled profiled) {
   if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
@@ -121,7 +121,8 @@ void follow_cost(FitResult& result, const detail::FitProblem& problem, const det
   }
 }
 
-void remark_on_noisy_divisor(FitResult& result, const detail::FitProblem& problem, std::span<const double> theta) {
+void remark_on_noisy_divisor(FitResult& result, const detail::FrequencyProblem& problem,
+                             std::span<const double> theta) {
   const FitOptions& options = problem.options;
   if (options.component == Component::magnitude || options.component == Component::phase) return;
   const std::vector<double> residual = residuals_at(problem.residuals, theta);
@@ -139,7 +140,7 @@ void remark_on_noisy_divisor(FitResult& result, const detail::FitProblem& proble
 
 /// What the curvature says.  Priors weigh against the residuals by the noise that these tell, so that the solution
 /// moves until that stays.
-detail::Confidence weighed_confidence(detail::FitProblem& problem, detail::LocalSolution& solution,
+detail::Confidence weighed_confidence(detail::FrequencyProblem& problem, detail::LocalSolution& solution,
                                       const detail::LocalOptions& options) {
   constexpr double least = 1e-9;  // of the data: noise of exact data, which priors still complete
   constexpr double settled = 1e-4;
@@ -163,7 +164,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const std::size_t least_free =
       structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
   if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  detail::FitProblem problem(data, structure, options);
+  detail::FrequencyProblem problem(data, structure, options);
   const detail::ParameterMap& map = problem.map;
   const detail::ResidualRule& rule = problem.rule;
   detail::FrequencyResiduals& residuals = problem.residuals;

@@ -14,7 +14,7 @@ namespace {
 
 /// The problem at few of its points, or at few of these again.
 struct FewResiduals {
-  FewResiduals(const FitProblem& problem, const FrequencyResponseData& data, const ResidualRule& rule,
+  FewResiduals(const FrequencyProblem& problem, const FrequencyResponseData& data, const ResidualRule& rule,
                std::size_t count)
       : points(thinned(data, rule, count)),
         residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule) {
@@ -24,7 +24,7 @@ struct FewResiduals {
   FrequencyResiduals residuals;
 };
 
-GlobalSolution search_from_nothing(const FitProblem& problem, const FewResiduals& few, double hopeless) {
+GlobalSolution search_from_nothing(const FrequencyProblem& problem, const FewResiduals& few, double hopeless) {
   const FrequencyResponseData& data = few.points.data;
   // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
   const std::size_t scouted = std::max<std::size_t>(64, 8 * problem.map.free().size());
@@ -36,7 +36,8 @@ GlobalSolution search_from_nothing(const FitProblem& problem, const FewResiduals
 }
 
 /// The solve from the start values; `starts_at_best` is 0 where the model is not finite there.
-GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& few, const LocalOptions& options) {
+GlobalSolution search_from_start(const FrequencyProblem& problem, const FewResiduals& few,
+                                 const LocalOptions& options) {
   require_start_values(problem.map, problem.structure);
   GlobalSolution result;
   result.starts = 1;
@@ -51,7 +52,7 @@ GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& 
 
 }  // namespace
 
-GlobalSolution frequency_search(const FitProblem& problem, double hopeless, double settled) {
+GlobalSolution frequency_search(const FrequencyProblem& problem, double hopeless, double settled) {
   // First iterations stay quick on so many points, and see the same shape.
   const FewResiduals few(problem, problem.data, problem.rule, 500);
   const bool blind = problem.options.global_start && !problem.map.free().empty();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "identification/residuals/fit_problem.hpp"
+#include "identification/residuals/frequency_problem.hpp"
 #include "identification/search/global_search.hpp"
 
 namespace frac::detail {
@@ -11,6 +11,6 @@ namespace frac::detail {
 /// @param hopeless  as global_search()
 /// @param settled   relative change of the cost at which a solve from start values ends
 /// @throws std::invalid_argument  a parameter without a start value where the search is off
-[[nodiscard]] GlobalSolution frequency_search(const FitProblem& problem, double hopeless, double settled);
+[[nodiscard]] GlobalSolution frequency_search(const FrequencyProblem& problem, double hopeless, double settled);
 
 }  // namespace frac::detail

@@ -17,7 +17,7 @@ constexpr double open_reach = 60;
 /// symmetric.
 class Profile {
  public:
-  Profile(const FitProblem& problem, const LocalSolution& solution, const LocalOptions& options,
+  Profile(const FrequencyProblem& problem, const LocalSolution& solution, const LocalOptions& options,
           const Confidence& confidence, std::size_t parameter)
       : problem_(problem),
         options_(options),
@@ -126,7 +126,7 @@ class Profile {
     return result;
   }
 
-  const FitProblem& problem_;
+  const FrequencyProblem& problem_;
   LocalOptions options_;
   const Confidence& confidence_;
   std::size_t parameter_;
@@ -175,7 +175,7 @@ double profile_end(const std::function<double(double)>& rise, const ProfileLine&
   return outside;
 }
 
-ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solution, const LocalOptions& options,
+ProfileEnds profile_ends(const FrequencyProblem& problem, const LocalSolution& solution, const LocalOptions& options,
                          const Confidence& confidence, std::size_t parameter, double tolerance, int steps) {
   Profile profile(problem, solution, options, confidence, parameter);
   const double lower = profile.end(-1, tolerance, steps);

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "confidence.hpp"
-#include "identification/residuals/fit_problem.hpp"
+#include "identification/residuals/frequency_problem.hpp"
 
 namespace frac::detail {
 
@@ -35,7 +35,7 @@ struct ProfileEnds {
 };
 
 /// The 95 % interval of a free parameter; tolerance and steps as of profile_end().
-[[nodiscard]] ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solution,
+[[nodiscard]] ProfileEnds profile_ends(const FrequencyProblem& problem, const LocalSolution& solution,
                                        const LocalOptions& options, const Confidence& confidence, std::size_t parameter,
                                        double tolerance, int steps);
 

@@ -233,7 +233,7 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
   profiled(result, parameter);
   const Structure structure(result.model);
   const FitOptions known = detail::settled(options, result);
-  detail::FitProblem problem(data, structure, known);
+  detail::FrequencyProblem problem(data, structure, known);
   if (result.loss_unit > 0)
     problem.residuals.set_priors(problem.priors, std::sqrt(result.loss_unit) / problem.rule.unit);
   detail::LocalOptions local;

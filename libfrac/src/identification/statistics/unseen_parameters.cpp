@@ -89,7 +89,7 @@ void carry_errors(FitResult& result, const FitResult& recovered, const std::vect
 
 }  // namespace
 
-void recover_unseen(FitResult& result, const Confidence& found, const FitProblem& problem, double cost,
+void recover_unseen(FitResult& result, const Confidence& found, const FrequencyProblem& problem, double cost,
                     const std::function<FitResult(const FitOptions&)>& fit_rest) {
   const FitOptions& options = problem.options;
   if (options.component != Component::imaginary && options.component != Component::real) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fit_problem.hpp"
+#include "frequency_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ DataScale data_scale(const FrequencyResponseData& data) {
           std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
 }
 
-FitProblem::FitProblem(const FrequencyResponseData& given, const Structure& model, const FitOptions& wanted)
+FrequencyProblem::FrequencyProblem(const FrequencyResponseData& given, const Structure& model, const FitOptions& wanted)
     : data(given),
       structure(model),
       options(wanted),

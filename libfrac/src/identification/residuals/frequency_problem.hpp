@@ -9,11 +9,11 @@ namespace frac::detail {
 [[nodiscard]] DataScale data_scale(const FrequencyResponseData& data);
 
 /// What a fit of a structure to a frequency response minimises.
-struct FitProblem {
+struct FrequencyProblem {
   /// @throws std::invalid_argument  constraints or a weight that do not go with structure or data, as fit() says.
-  FitProblem(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
-  FitProblem(const FitProblem&) = delete;
-  FitProblem& operator=(const FitProblem&) = delete;
+  FrequencyProblem(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
+  FrequencyProblem(const FrequencyProblem&) = delete;
+  FrequencyProblem& operator=(const FrequencyProblem&) = delete;
 
   const FrequencyResponseData& data;
   const Structure& structure;
