@@ -149,7 +149,7 @@ Scene temperatures(std::mt19937_64& generator) {
       value.push_back(Structure(solid).response(std::vector<double>{1, 99, 0.01, 0.6}, along * omega.back()) *
                       std::complex<double>(1 + real, imaginary));
     }
-    scene.curves.push_back({std::to_string(c), {omega, value}, {{"kelvin", kelvin}}});
+    scene.curves.push_back({std::to_string(c), FrequencyResponseData(omega, value), {{"kelvin", kelvin}}});
     scene.truth.push_back({{"E0", 1}, {"E1", 99}, {"T", 0.01}, {"a", 0.6}, {"aT", along}, {"C", 8}, {"D", 70}});
   }
   return scene;

@@ -43,7 +43,8 @@ std::vector<JointCurve> temperatures(double noise, std::uint64_t seed, bool vert
       const double real = normal(generator), imaginary = normal(generator);
       value.push_back(exact * std::complex<double>(1 + real, imaginary));
     }
-    curves.push_back({std::to_string(10 * (c - 2)) + " K", {omega, value}, {{"kelvin", 10.0 * (c - 2)}}});
+    curves.push_back(
+        {std::to_string(10 * (c - 2)) + " K", FrequencyResponseData(omega, value), {{"kelvin", 10.0 * (c - 2)}}});
   }
   return curves;
 }
@@ -95,7 +96,7 @@ TEST(CurveShift, ACurveOnAPlateauLeadsNoLaw) {
       value.push_back(up * master.response(std::vector<double>{1e6, 2e9, 0.01, 0.4}, along * omega.back()) *
                       std::complex<double>(1 + real, imaginary));
     }
-    curves.push_back({std::to_string(kelvin), {omega, value}, {{"kelvin", kelvin}}});
+    curves.push_back({std::to_string(kelvin), FrequencyResponseData(omega, value), {{"kelvin", kelvin}}});
   }
   for (const bool vertical_is_known : {false, true}) {
     JointFitOptions options = shifting(true);
@@ -154,9 +155,9 @@ TEST(CurveShift, ErrorsAreThoseOfTheWholeNormalMatrix) {
       const std::vector<double> parameters{std::exp(at[0]), std::exp(at[1]), std::exp(at[2]), at[3]};
       const double along = c == 2 ? 1 : std::exp(at[slot(c)]);
       for (std::size_t i = 0; i < 25; ++i) {
-        const std::complex<double> data = curves[c].data.value()[i];
+        const std::complex<double> data = curves[c].response()->value()[i];
         const std::complex<double> rest =
-            (Structure(solid).response(parameters, along * curves[c].data.omega()[i]) - data) / std::abs(data) /
+            (Structure(solid).response(parameters, along * curves[c].response()->omega()[i]) - data) / std::abs(data) /
             result.curves[c].noise;
         all[row++] = rest.real();
         all[row++] = rest.imag();
@@ -249,7 +250,7 @@ ShortCurves short_curves(std::uint64_t seed) {
       value.push_back(Structure(solid).response(std::vector<double>{1, 99, time, a}, along * omega.back()) *
                       std::complex<double>(1 + real, imaginary));
     }
-    made.curves.push_back({std::to_string(c), {omega, value}, {{"kelvin", kelvin}}});
+    made.curves.push_back({std::to_string(c), FrequencyResponseData(omega, value), {{"kelvin", kelvin}}});
   }
   return made;
 }
@@ -306,7 +307,7 @@ ShortCurves curves_on_plateaus(std::uint64_t seed) {
       value.push_back(Structure(solid).response(std::vector<double>{1, modulus, time, a}, along * omega.back()) *
                       std::complex<double>(1 + real, imaginary));
     }
-    made.curves.push_back({std::to_string(c), {omega, value}, {{"kelvin", kelvin}}});
+    made.curves.push_back({std::to_string(c), FrequencyResponseData(omega, value), {{"kelvin", kelvin}}});
   }
   return made;
 }

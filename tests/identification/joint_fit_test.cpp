@@ -66,7 +66,7 @@ std::vector<JointCurve> with_outliers(std::uint64_t seed) {
       const double clean = 1.5 * omega.back() - b / omega.back();
       value.emplace_back(0, clean + noise(generator) + (i % 8 == 3 ? 1.5 : 0));
     }
-    curves.push_back({"b" + std::to_string(b), {omega, value}});
+    curves.push_back({"b" + std::to_string(b), FrequencyResponseData(omega, value)});
   }
   return curves;
 }
@@ -90,14 +90,14 @@ TEST(JointFit, MakesTheRobustLossLeast) {
     loss_cost = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t i = 0; i < 40; ++i) {
-        const double omega = curves[c].data.omega()[i], unit = 1 / result.curves[c].noise;
+        const double omega = curves[c].response()->omega()[i], unit = 1 / result.curves[c].noise;
         Eigen::VectorXd row = Eigen::VectorXd::Zero(4);
         row[0] = omega;
         row[static_cast<Eigen::Index>(c) + 1] = -1 / omega;
-        const double rest = row.dot(at) - curves[c].data.value()[i].imag(), x = std::abs(rest) / 0.07;
+        const double rest = row.dot(at) - curves[c].response()->value()[i].imag(), x = std::abs(rest) / 0.07;
         const double weight = unit * unit * (x > 1 ? 1 / x : 1);
         normal += weight * row * row.transpose();
-        right += weight * row * curves[c].data.value()[i].imag();
+        right += weight * row * curves[c].response()->value()[i].imag();
         loss_cost += unit * unit * 0.0049 * (x > 1 ? 2 * x - 1 : x * x);
       }
     }
@@ -158,9 +158,9 @@ void expect_errors_of_the_whole_normal_matrix(std::size_t own, const std::vector
     for (std::size_t c = 0; c < 3; ++c) {
       const std::vector<double> parameters{at[place(c, 0)], at[place(c, 1)], at[place(c, 2)]};
       for (std::size_t i = 0; i < 40; ++i) {
-        const std::complex<double> data = curves[c].data.value()[i];
+        const std::complex<double> data = curves[c].response()->value()[i];
         const std::complex<double> rest =
-            (Structure(lag).response(parameters, curves[c].data.omega()[i]) - data) / std::abs(data);
+            (Structure(lag).response(parameters, curves[c].response()->omega()[i]) - data) / std::abs(data);
         all[row++] = rest.real() / result.curves[c].noise;
         all[row++] = rest.imag() / result.curves[c].noise;
       }
@@ -322,7 +322,8 @@ TEST(JointFit, CurvesThatDoNotShareAreTold) {
 TEST(JointFit, ACurveOfOnePointGetsItsGain) {
   std::mt19937_64 generator(4);
   auto curves = lags(3, 40, 0.001, generator);
-  curves.push_back({"short", {{1.0}, {Structure(lag).response(std::vector<double>{5, 0.7, 0.8}, 1.0)}}});
+  curves.push_back(
+      {"short", FrequencyResponseData({1.0}, {Structure(lag).response(std::vector<double>{5, 0.7, 0.8}, 1.0)})});
   const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
   ASSERT_TRUE(result.usable()) << result.message;
   const ParameterEstimate& gain = result.curves[3].parameters[0];

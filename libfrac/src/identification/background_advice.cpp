@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identification/background_advice.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/short_text.hpp"
-#include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/time_scout.hpp"
 
@@ -35,13 +33,7 @@ Better best_with(const TimeResponseData& data, const TimeFitOptions& background,
     const Structure structure(ranked.model.formula);
     TimeFitOptions options = background;
     options.constraints = ranked.model.constraints;
-    for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-      const ParameterEstimate& estimate = ranked.fit.parameters.at(i);
-      ParameterConstraint& known = constraint_of(options.constraints, estimate.name);
-      if (!known.fixed)
-        known.start = std::clamp(estimate.value, known.lower.value_or(-infinity), known.upper.value_or(infinity));
-    }
-    const double cost = scouted(data, structure, options).cost;
+    const double cost = scouted(data, structure, started_at(options, ranked.fit)).cost;
     const double bic = ranked.fit.bic + n * std::log(cost / ranked.fit.cost) + parameters * std::log(n);
     if (bic < best.bic) best = {ranked.name, bic};
     if (++tried == most_presets) break;

@@ -101,7 +101,7 @@ struct Extent {
 constexpr double narrow = 0.1;
 
 /// Wide intervals follow the cost instead of its curvature at the minimum.
-void follow_cost(FitResult& result, const detail::FrequencyProblem& problem, const detail::LocalSolution& solution,
+void follow_cost(FitResult& result, detail::FrequencyProblem& problem, const detail::LocalSolution& solution,
                  const detail::Confidence& found, detail::Profiled profiled) {
   if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
@@ -111,7 +111,8 @@ void follow_cost(FitResult& result, const detail::FrequencyProblem& problem, con
     const double half_width = found.t * estimate.standard_error;
     if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
     // An end to half a per cent of the half width, or none within 15 steps.
-    const detail::ProfileEnds ends = profile_ends(problem, solution, {}, found, i, 5e-3, 15);
+    const detail::ProfileEnds ends =
+        profile_ends(problem, solution, {}, found, profile_centre(problem, solution, found, i), 5e-3, 15);
     if (ends.below_minimum || ends.stuck) continue;
     estimate.ci95_lower = std::max(ends.lower, ends.lower_limit);
     estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
@@ -121,13 +122,12 @@ void follow_cost(FitResult& result, const detail::FrequencyProblem& problem, con
   }
 }
 
-void remark_on_noisy_divisor(FitResult& result, const detail::FrequencyProblem& problem,
-                             std::span<const double> theta) {
+void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& problem, std::span<const double> theta) {
   const FitOptions& options = problem.options;
   if (options.component == Component::magnitude || options.component == Component::phase) return;
-  const std::vector<double> residual = residuals_at(problem.residuals, theta);
+  const std::vector<double> residual = residuals_at(problem.residuals(), theta);
   const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
-  const double correlation = detail::autocorrelation(residual, problem.residuals.per_point(), 1);
+  const double correlation = detail::autocorrelation(residual, problem.residuals().per_point(), 1);
   if (!(deviation > noisy_divisor) || std::abs(correlation) > plain_misfit) return;
   result.gain_factor = 1 + 2 * deviation * deviation;
   char text[256];
@@ -136,24 +136,6 @@ void remark_on_noisy_divisor(FitResult& result, const detail::FrequencyProblem& 
                 "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
                 deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
   result.message += text;
-}
-
-/// What the curvature says.  Priors weigh against the residuals by the noise that these tell, so that the solution
-/// moves until that stays.
-detail::Confidence weighed_confidence(detail::FrequencyProblem& problem, detail::LocalSolution& solution,
-                                      const detail::LocalOptions& options) {
-  constexpr double least = 1e-9;  // of the data: noise of exact data, which priors still complete
-  constexpr double settled = 1e-4;
-  constexpr int most_rounds = 20;
-  detail::Confidence found = confidence(problem.residuals, solution, options);
-  for (int round = 0; round < most_rounds && !problem.priors.empty() && found.loss_unit >= 0; ++round) {
-    const double noise = std::max(std::sqrt(found.loss_unit), least);
-    if (std::abs(noise - problem.residuals.prior_weight()) <= settled * noise) break;
-    problem.residuals.set_priors(problem.priors, noise);
-    solution = local_solve(problem.residuals, solution.theta, options);
-    found = confidence(problem.residuals, solution, options);
-  }
-  return found;
 }
 
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
@@ -167,7 +149,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   detail::FrequencyProblem problem(data, structure, options);
   const detail::ParameterMap& map = problem.map;
   const detail::ResidualRule& rule = problem.rule;
-  detail::FrequencyResiduals& residuals = problem.residuals;
+  detail::Residuals& residuals = problem.residuals();
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }

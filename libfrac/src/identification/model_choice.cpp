@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
@@ -81,19 +82,14 @@ std::vector<ParameterConstraint> merged(const NamedModel& model, const Structure
   for (const ParameterConstraint& constraint : given) {
     const auto& names = structure.parameter_names();
     if (std::find(names.begin(), names.end(), constraint.name) == names.end()) continue;
-    const auto own = std::find_if(result.begin(), result.end(),
-                                  [&](const ParameterConstraint& each) { return each.name == constraint.name; });
-    if (own == result.end()) {
-      result.push_back(constraint);
-      continue;
-    }
+    ParameterConstraint& own = constraint_of(result, constraint.name);
     if (constraint.fixed) {
-      *own = constraint;
+      own = constraint;
       continue;
     }
-    if (constraint.lower) own->lower = constraint.lower;
-    if (constraint.upper) own->upper = constraint.upper;
-    own->start = constraint.start;
+    if (constraint.lower) own.lower = constraint.lower;
+    if (constraint.upper) own.upper = constraint.upper;
+    own.start = constraint.start;
   }
   return result;
 }
@@ -110,35 +106,15 @@ FitResult fit_of_member(const Data& data, const Structure& structure, const Opti
                         const FitResult* smaller) {
   FitResult best = fit(data, structure, options);
   if (!smaller || !(best.cost > smaller->cost)) return best;
-  Options warm = options;
-  warm.global_start = false;
-  for (const ParameterEstimate& estimate : smaller->parameters) {
-    const bool known = std::any_of(warm.constraints.begin(), warm.constraints.end(), [&](auto& constraint) {
-      if (constraint.name != estimate.name) return false;
-      if (!constraint.fixed) constraint.start = estimate.value;
-      return true;
-    });
-    if (!known) warm.constraints.push_back({estimate.name, {}, {}, {}, estimate.value});
-  }
-  const auto& names = structure.parameter_names();
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool known = std::any_of(warm.constraints.begin(), warm.constraints.end(), [&](const auto& constraint) {
-      return constraint.name == names[i] && (constraint.fixed || constraint.start);
-    });
-    if (known) continue;
+  Options started = detail::started_at(options, *smaller);
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    ParameterConstraint& own = constraint_of(started.constraints, structure.parameter_names()[i]);
+    if (own.fixed || own.start) continue;
     // Little of any dimension: the member before is the limit of small gains.
-    const bool order = structure.parameter_roles()[i] == ParameterRole::order;
     const double gain = 1e-3 * best.rms / (1 + best.rms);
-    const auto own = std::find_if(warm.constraints.begin(), warm.constraints.end(),
-                                  [&](const auto& constraint) { return constraint.name == names[i]; });
-    const double start = order ? 0.7 : gain;
-    if (own == warm.constraints.end()) {
-      warm.constraints.push_back({names[i], {}, {}, {}, start});
-    } else {
-      own->start = start;
-    }
+    own.start = structure.parameter_roles()[i] == ParameterRole::order ? 0.7 : gain;
   }
-  FitResult from_smaller = fit(data, structure, warm);
+  FitResult from_smaller = fit(data, structure, started);
   return from_smaller.cost < best.cost ? from_smaller : best;
 }
 

@@ -30,59 +30,9 @@ namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using detail::length_of;
+using detail::observed_output;
 using detail::offset_name;
-
-double length_of(const TimeResponseData& data) {
-  return data.time().back() - data.time().front();
-}
-
-double root_mean_square(const std::vector<double>& values, double base) {
-  double sum = 0;
-  for (const double value : values) sum += (value - base) * (value - base);
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-std::vector<double> observed_output(const TimeResponseData& data) {
-  std::vector<double> output;
-  for (const std::size_t i : data.observed()) output.push_back(data.output()[i]);
-  return output;
-}
-
-// Gains about what the spread of the output is to the input, frequencies from a third of the record's inverse to three
-// times the sampling rate.
-detail::DataScale data_scale(const TimeResponseData& data, std::optional<double> offset) {
-  const std::vector<double> output = observed_output(data);
-  const double mean = std::accumulate(output.begin(), output.end(), 0.0) / static_cast<double>(output.size());
-  const double spread = root_mean_square(output, offset.value_or(mean));
-  const double gain = spread > 0 ? spread / root_mean_square(data.input(), data.input_at_rest()) : 1;
-  constexpr double margin = 3;
-  const double slow = 1 / length_of(data);
-  double shortest_step = length_of(data);
-  for (std::size_t i = 1; i < data.size(); ++i) {
-    shortest_step = std::min(shortest_step, data.time()[i] - data.time()[i - 1]);
-  }
-  const double fast = 1 / shortest_step;
-  return {gain, gain / 30, gain * 30, std::sqrt(slow * fast), slow / margin, fast * margin};
-}
-
-// A dead time beyond the record would leave nothing to fit.
-std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
-                                                   std::vector<ParameterConstraint> constraints, double length) {
-  for (const ParameterConstraint& each : constraints)
-    if (each.prior) throw std::invalid_argument("prior of parameter '" + each.name + "': fits over time take none");
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
-    const std::string& name = structure.parameter_names()[i];
-    const auto given = std::find_if(constraints.begin(), constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == name; });
-    if (given == constraints.end()) {
-      constraints.push_back({name, {}, {}, length, {}});
-    } else if (!given->fixed && !given->upper) {
-      given->upper = std::max(length, 2 * given->start.value_or(0));
-    }
-  }
-  return constraints;
-}
 
 // Costs are sums of squares of the weighted output, and scales are taken from squares of the output itself.
 void require_squares(const TimeResponseData& data) {
@@ -125,21 +75,6 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
                                 detail::counted(free, "free parameter") +
                                 (options.offset ? "" : ", the offset among them"));
   }
-}
-
-// Standard deviation of the weighted output: the unit of the residuals the solvers see.
-double unit_of(const TimeResponseData& data, std::optional<double> offset) {
-  double weights = 0, mean = 0;
-  const auto weight = [&](std::size_t i) { return data.sigma().empty() ? 1 : 1 / data.sigma()[i]; };
-  for (const std::size_t i : data.observed()) {
-    weights += weight(i) * weight(i);
-    mean += weight(i) * weight(i) * data.output()[i];
-  }
-  mean = offset.value_or(mean / weights);
-  double sum = 0;
-  for (const std::size_t i : data.observed()) sum += std::pow(weight(i) * (data.output()[i] - mean), 2);
-  const double unit = std::sqrt(sum / static_cast<double>(data.observed().size()));
-  return unit > 0 ? unit : 1;
 }
 
 // Names and order of what is free of the background.
@@ -272,13 +207,11 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
   const bool changes =
       std::any_of(data.input().begin(), data.input().end(), [&](double each) { return each != data.input().front(); });
   if (changes || data.observed().size() <= structure.parameter_names().size() + 1) return std::nullopt;
-  const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
-                                 data_scale(data, options.offset));
-  TimeFitOptions held = options;
-  held.offset = 0;
-  held.trend = held.earlier_input = false;
-  const detail::TimeProblem problem{data, structure, map, held, unit_of(data, std::nullopt)};
-  const detail::TimeResiduals residuals = problem.residuals(data.observed(), 1e-10);
+  TimeFitOptions plain = options;
+  plain.trend = plain.earlier_input = false;
+  const auto problem = detail::TimeProblem(data, structure, plain).with_offset(0);
+  const detail::ParameterMap& map = problem->map;
+  const detail::TimeResiduals residuals = problem->residuals_at(data.observed(), 1e-10);
   const auto count = static_cast<Eigen::Index>(residuals.count());
   const auto width = static_cast<Eigen::Index>(map.free().size());
   if (width == 0) return std::nullopt;
@@ -396,7 +329,7 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
   return detail::counted(solution.starts_at_best, "start") + " ended at the lowest cost; " + solves;
 }
 
-/// @param hopeless  see TimeProblem
+/// @param hopeless  see time_search()
 FitResult fit_record(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted,
                      double hopeless, double settled = detail::LocalOptions{}.cost_tolerance) {
   const auto begin = std::chrono::steady_clock::now();
@@ -406,16 +339,16 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   const bool offset_is_held = constant.has_value();
   TimeFitOptions options = wanted;
   if (offset_is_held) options.offset = 0;
-  const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
-                                 data_scale(data, options.offset));
+  detail::TimeProblem problem(data, structure, options);
+  const detail::ParameterMap& map = problem.map;
+  const double unit = problem.unit;
   check(data, structure, options, map);
   if (!options.global_start) detail::require_start_values(map, structure);
-  const double unit = unit_of(data, options.offset);
-  const detail::TimeProblem problem{data, structure, map, options, unit, hopeless, settled};
   const std::string silence = explained_by_offset(data, options.offset);
-  const detail::GlobalSolution solution = silence.empty() ? time_search(problem) : detail::GlobalSolution{};
+  const detail::GlobalSolution solution =
+      silence.empty() ? time_search(problem, hopeless, settled) : detail::GlobalSolution{};
   detail::LocalSolution best = solution.best;
-  detail::TimeResiduals residuals = problem.residuals(data.observed(), detail::finest_simulation);
+  detail::TimeResiduals& residuals = problem.residuals();
   FitResult result = describe_search(structure, residuals, solution);
   result.distinct_minima = 1;
   result.confidence_of_optimum = nan;
@@ -441,7 +374,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
     result.seconds = seconds();
     return result;
   }
-  const detail::Confidence found = confidence(residuals, best, local);
+  const detail::Confidence found = weighed_confidence(problem, best, local);
   result.message = ending(solution, best.cost <= residuals.rounding_cost());
   const std::string unseen = unseen_model(structure, map, data, found, best.theta);
   if (!unseen.empty()) {
@@ -482,18 +415,16 @@ FitResult detail::refit(const TimeResponseData& data, const Structure& structure
 
 detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,
                                 const TimeFitOptions& options) {
-  const ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
-                         data_scale(data, options.offset));
-  const double unit = unit_of(data, options.offset);
-  const TimeProblem problem{data, structure, map, options, unit};
-  const TimeResiduals residuals = problem.residuals(data.observed(), 1e-6);
+  const TimeProblem problem(data, structure, options);
+  const ParameterMap& map = problem.map;
+  const TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-6);
   const std::vector<double> theta = map.to_theta(map.start());
   if (!std::isfinite(residuals.cost(theta))) return {{}, std::numeric_limits<double>::infinity()};
   LocalOptions quick;
   quick.iterations = 30;
   quick.cost_tolerance = 1e-5;
   const LocalSolution found = local_solve(residuals, theta, quick);
-  return {map.to_user(found.theta), found.cost * unit * unit};
+  return {map.to_user(found.theta), found.cost * problem.unit * problem.unit};
 }
 
 FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,

@@ -49,7 +49,6 @@ class Fit : public Command {
     add_prior_options(o, parameters_);
     for (const char* name : {"--prior", "--constraint"})
       o[name].not_with({"--grow"}, "whose parameters the data choose");
-    o["--prior"].only_for(frequency_response);
     o.flag("--profile", statistics_.profile,
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
@@ -181,6 +180,12 @@ class Fit : public Command {
     return no_usable_result;
   }
 
+  /// What is known of the parameters beside the data.
+  void add_known(FitRun& about) const {
+    if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
+    if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
+  }
+
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
     if (io::holds_time_response(request_.data, request_.how)) {
@@ -189,7 +194,9 @@ class Fit : public Command {
         throw std::invalid_argument("--model " + model_ + " has no meaning with " + samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);
-      return fit_and_write(record.data, fit, time_fit_run(request_, record, options(), command_line()));
+      FitRun about = time_fit_run(request_, record, options(), command_line());
+      add_known(about);
+      return fit_and_write(record.data, fit, about);
     }
     options().settle(frequency_response);
     auto wanted = fit_options(request_);
@@ -211,8 +218,7 @@ class Fit : public Command {
       made = fitted(fitted_part(points.kept()), fit);
     }
     auto about = fit_run(request_, options(), file, points.left_out(), command_line());
-    if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
-    if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
+    add_known(about);
     if (is_component_law()) about.law = frac::component_power_law_sentence(request_.component);
     return write_fit(fitted_part(points.kept()), fit, made, about);
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "batch/batch_fit.hpp"
 #include "commands/subcommand.hpp"
@@ -13,7 +14,9 @@
 #include "io/input_files.hpp"
 #include "io/number.hpp"
 #include "io/output_file.hpp"
+#include "io/time_series_file.hpp"
 #include "options/model_choice.hpp"
+#include "options/time_request.hpp"
 #include "output/joint_fit_output.hpp"
 #include "report/picture.hpp"
 
@@ -31,13 +34,14 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// A command of its own and no option of `fit`: what profiles, bootstraps, grown structures and samples over time mean
-/// there has no meaning for many curves, and the result is one of another shape.
+/// A command of its own and no option of `fit`: what profiles, bootstraps and grown structures mean there has no
+/// meaning for many curves, and the result is one of another shape.
 class JointFit : public Command {
  public:
   JointFit() : Command("joint-fit", "Fits one structure to many curves together, with shared parameters") {
     Options& o = options();
-    o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
+    o.texts("DATA", data_,
+            "Frequency responses or samples over time, as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
         .required()
         .names_input();
@@ -66,6 +70,7 @@ class JointFit : public Command {
            "Column whose value tells apart the curves that follow each other in one file, e.g. force_n", "COLUMN");
     add_file_options(o, request_.how);
     add_residual_options(o, request_);
+    add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
     add_prior_options(o, parameters_);
@@ -97,7 +102,8 @@ class JointFit : public Command {
     if (chosen_.is_family())
       throw std::invalid_argument("--model " + model_ + " is a family, whose parameters differ from curve to curve");
     fit_.fit = fit_options(request_);
-    fit_.fit.constraints = constraints_of(chosen_, parameters_);
+    fit_.over_time = time_fit_options(request_, over_time_, options(), constraints_of(chosen_, parameters_));
+    fit_.fit.constraints = std::exchange(fit_.over_time.constraints, {});
     const frac::Structure structure(chosen_.formula);
     const bool names_own = shared_.empty();
     if (!shift_.empty()) fit_.shift = frac::CurveShift{0, shift_ == "both"};
@@ -163,25 +169,60 @@ class JointFit : public Command {
     const auto note = [this](const std::string& text) { say(text); };
     bool same_unit = true, in_hertz = true;
     run.lower = std::numeric_limits<double>::infinity();
-    for (const auto& curve : curves_of(io::input_files(data_, writes_file() ? out() : ""), request_)) {
+    const auto add = [&](const std::string& name, auto data, std::size_t points, io::Metadata header) -> auto& {
+      frac::JointCurve& added = curves.emplace_back(frac::JointCurve{name, std::move(data)});
+      for (const auto& [key, text] : header)
+        if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
+      run.curves.push_back({points, added.record() != nullptr, std::move(header), added.covariates});
+      return added;
+    };
+    std::vector<std::string> responses;
+    std::string weight_over_time;
+    const bool is_for_records = request_.weight == "given" || request_.weight == "absolute";
+    const auto files = io::input_files(data_, writes_file() ? out() : "");
+    for (const auto& file : files) {
+      if (!io::holds_time_response(file, request_.how)) {
+        responses.push_back(file);
+        continue;
+      }
+      FitRequest request = request_;
+      request.data = file;
+      auto record = read_time_record(request, over_time_, options()["--weight"].is_given() && is_for_records, note);
+      weight_over_time = record.weight;
+      const auto& time = record.data.time();
+      run.longest = std::max(run.longest, time.back() - time.front());
+      const std::size_t points = record.data.observed().size();
+      static_cast<void>(add(file, std::move(record.data), points, std::move(record.header)));
+    }
+    if (responses.empty())
+      options().settle(samples_over_time);
+    else if (responses.size() == files.size())
+      options().settle(frequency_response);
+    if (responses.empty()) {
+      if (options()["--weight"].is_given() && !is_for_records)
+        throw std::invalid_argument("--weight " + io::quoted(request_.weight) +
+                                    ": expected given or absolute with samples over time");
+      options()["--weight"].say(weight_over_time);
+    }
+    for (const auto& curve : curves_of(responses, request_)) {
       auto file = read_curve(request_, curve, note);
-      same_unit = same_unit && (curves.empty() || file.value_unit == run.value_unit);
+      const bool first = run.upper == 0;
+      same_unit = same_unit && (first || file.value_unit == run.value_unit);
       in_hertz = in_hertz && file.data.frequency_unit() == frac::FrequencyUnit::hertz;
       run.value_unit = file.value_unit;
       run.lower = std::min(run.lower, file.data.omega().front());
       run.upper = std::max(run.upper, file.data.omega().back());
-      frac::JointCurve& added = curves.emplace_back(frac::JointCurve{curve.name, std::move(file.data)});
-      settle_component(request_, options(), added.data,
+      const std::size_t points = file.data.size();
+      const frac::JointCurve& added = add(curve.name, std::move(file.data), points, std::move(file.metadata));
+      settle_component(request_, options(), *added.response(),
                        [&](const std::string& text) { say(curve.name + ": " + text + " in all curves"); });
-      for (const auto& [key, text] : file.metadata)
-        if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
-      run.curves.push_back({added.data.size(), std::move(file.metadata), added.covariates});
     }
     fit_.fit.component = request_.component;
     if (!same_unit) run.value_unit.clear();
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
-                                     "--memory", "--seed", "--by", "--loss", "--shift"});
+                                     "--memory", "--seed", "--by", "--loss", "--shift", "--hold", "--offset",
+                                     "--input-at-rest", "--trend", "--earlier-input"});
     run.options.emplace_back("where", where_text(request_));
     if (!fit_.laws.empty()) run.options.emplace_back("laws", joined(fit_.laws));
     if (!parameters_.prior.empty()) run.options.emplace_back("priors", joined(parameters_.prior));
@@ -206,6 +247,7 @@ class JointFit : public Command {
   }
 
   FitRequest request_;
+  TimeRequest over_time_;
   std::vector<std::string> data_, derive_;
   std::vector<frac::DerivedQuantity> quantities_;
   std::vector<std::string> derived_from_;

@@ -77,19 +77,25 @@ frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeReque
   return options;
 }
 
-TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, Options& options,
+TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, bool weight_is_told,
                             const std::function<void(const std::string&)>& note) {
   io::TimeSeries series = io::read_time_response(request.data, filters_of(request));
   for (const auto& text : series.notes) note(request.data + ": " + text);
-  const std::string weight = weight_of(request, options["--weight"].is_given(), series);
-  options["--weight"].say(weight);
+  const std::string weight = weight_of(request, weight_is_told, series);
   if (weight == "absolute") series.sigma.clear();
   std::vector<std::size_t> index = std::move(series.kept);
   io::Metadata header = std::move(series.metadata);
   const frac::TimeResponseData data =
       io::time_response_data(request.data, std::move(series), over_time.hold, over_time.input_at_rest);
   if (index.empty()) throw io::DataError(request.data, 0, 0, "no sample satisfies --where");
-  return {data.observed_at(std::move(index)), std::move(header)};
+  return {data.observed_at(std::move(index)), std::move(header), weight};
+}
+
+TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, Options& options,
+                            const std::function<void(const std::string&)>& note) {
+  TimeRecord record = read_time_record(request, over_time, options["--weight"].is_given(), note);
+  options["--weight"].say(record.weight);
+  return record;
 }
 
 FitRun time_fit_run(const FitRequest& request, const TimeRecord& record, const Options& options, std::string command) {

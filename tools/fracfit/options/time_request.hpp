@@ -28,9 +28,14 @@ void add_time_options(Options& options, TimeRequest& request);
 struct TimeRecord {
   frac::TimeResponseData data;
   io::Metadata header;
+  std::string weight;  // given or absolute
 };
-/// `note` is told what was assumed; the weight that was taken is what the command line says from then on.
+/// `note` is told what was assumed.
+/// @param weight_is_told  whether the weight of the request is to be taken for records
 /// @throws io::DataError  data that no fit can use;  std::invalid_argument  naming the option.
+[[nodiscard]] TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, bool weight_is_told,
+                                          const std::function<void(const std::string&)>& note);
+/// The same; the weight that was taken is what the command line says from then on.
 [[nodiscard]] TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, Options& options,
                                           const std::function<void(const std::string&)>& note);
 

@@ -114,13 +114,30 @@ std::string curve_table(const JointRun& run, const frac::JointFitResult& result)
 
 }  // namespace
 
+namespace {
+
+/// How many responses and records there are, and how far they reach.
+std::string extent_text(const JointRun& run) {
+  const auto records =
+      std::count_if(run.curves.begin(), run.curves.end(), [](const auto& each) { return each.over_time; });
+  const auto responses = static_cast<std::ptrdiff_t>(run.curves.size()) - records;
+  std::string text;
+  if (responses > 0)
+    text = std::to_string(responses) + ", " + short_number(in_unit(run.lower, run.frequency_unit)) + " .. " +
+           short_number(in_unit(run.upper, run.frequency_unit)) + " " + std::string(to_string(run.frequency_unit));
+  if (records > 0)
+    text +=
+        (text.empty() ? "" : "; ") + std::to_string(records) + " over time, up to " + short_number(run.longest) + " s";
+  return text;
+}
+
+}  // namespace
+
 std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result) {
-  std::string text = "model      " + result.model + "\ncurves     " + std::to_string(run.curves.size()) + ", " +
-                     short_number(in_unit(run.lower, run.frequency_unit)) + " .. " +
-                     short_number(in_unit(run.upper, run.frequency_unit)) + " " +
-                     std::string(to_string(run.frequency_unit));
+  std::string text = "model      " + result.model + "\ncurves     " + extent_text(run);
   if (!run.value_unit.empty()) text += ", values in " + io::written_unit(run.value_unit);
-  text += "\nresiduals  " + std::string(io::find_value(run.options, "component").value_or("")) + ", " +
+  const auto component = io::find_value(run.options, "component");
+  text += "\nresiduals  " + (component ? std::string(*component) + ", " : "") +
           std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n";
   if (const auto loss = io::find_value(run.options, "loss"); loss && *loss != "none")
     text.insert(text.size() - 1, ", " + std::string(*loss) + " loss");
@@ -210,7 +227,7 @@ struct Moved {
 };
 Moved moved(const frac::JointFitResult& result, std::size_t c, const std::vector<frac::JointCurve>& curves,
             const frac::Realisation& realisation) {
-  Moved all{curves[c].data.omega(), curves[c].data.value(), {}};
+  Moved all{curves[c].response()->omega(), curves[c].response()->value(), {}};
   for (double& each : all.omega) each *= factor_of(result.curves[c], frac::horizontal_shift);
   for (auto& each : all.value) each /= factor_of(result.curves[c], frac::vertical_shift);
   all.model.resize(all.omega.size());
@@ -231,7 +248,7 @@ std::string master_curve_csv(const JointRun& run, const frac::JointFitResult& re
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const Moved all = moved(result, c, curves, realisation);
     for (std::size_t i = 0; i < all.omega.size(); ++i)
-      rows.push_back({c, curves[c].data.omega()[i], all.omega[i], all.value[i], all.model[i]});
+      rows.push_back({c, curves[c].response()->omega()[i], all.omega[i], all.value[i], all.model[i]});
   }
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
   Document document{{{"formula", result.model}}, {{}, rows.size(), {}}};

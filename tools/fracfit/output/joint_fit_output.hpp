@@ -15,13 +15,15 @@ namespace fracfit {
 struct JointRun {
   struct Curve {
     std::size_t points;
+    bool over_time;
     io::Metadata header;
     std::vector<std::pair<std::string, double>> covariates;  // numbers in the header
   };
   std::string command;
   std::string formula;                                                  // without shift factors
   std::vector<Curve> curves = {};                                       // as in the result
-  double lower = 0, upper = 0;                                          // of omega over all curves, rad/s
+  double lower = 0, upper = 0;                                          // of omega over all responses, rad/s
+  double longest = 0;                                                   // of all records, s
   frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // Hz where all files have it
   std::string value_unit = {};  // empty where the curves give none or not the same
   io::Metadata options = {};

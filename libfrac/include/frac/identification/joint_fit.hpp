@@ -5,19 +5,25 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/time_fit.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "frac/structure.hpp"
 
 namespace frac {
 
-/// One of the curves that are fitted together.
+/// One of the curves that are fitted together: a frequency response, or samples of input and output.
 struct JointCurve {
   std::string name;  // for messages and results
-  FrequencyResponseData data;
+  std::variant<FrequencyResponseData, TimeResponseData> data;
   std::vector<std::pair<std::string, double>> covariates = {};  // what is known of it beside: a temperature, a load
+
+  /// Null where it is the other one.
+  [[nodiscard]] const FrequencyResponseData* response() const { return std::get_if<FrequencyResponseData>(&data); }
+  [[nodiscard]] const TimeResponseData* record() const { return std::get_if<TimeResponseData>(&data); }
 };
 
 /// Curves that lie on one master curve once their frequencies are multiplied (time-temperature superposition):
@@ -49,6 +55,8 @@ struct JointFitOptions {
   /// should overlap: starts come from laying each on the one before it.  Where aT follows a law, the law says which
   /// curve is the master curve itself, whatever the reference.
   std::optional<CurveShift> shift = {};
+  /// Offset, trend and earlier input of curves over time, which each has of its own; all else is told by `fit`.
+  TimeFitOptions over_time = {};
   int threads = 0;  // 0: one per core; without influence on the result
 };
 
@@ -110,6 +118,7 @@ struct JointFitResult {
 ///     one is of a law; a prior of a parameter that follows a law; with a shift weight `repeats`, a reference that is
 ///     no curve, or a structure that has a parameter aT or bT; a law of no parameter of the model, of a shared one, of
 ///     one that has a law, without a covariate, or with one that a curve does not know; a parameter of a law fixed;
+///     a shift of a curve over time, or weight `given` for one without sigma;
 ///     fewer residuals than parameters; or no curve that determines all parameters alone, unless all have starts.
 [[nodiscard]] JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure& structure,
                                        const JointFitOptions& options);

@@ -39,7 +39,7 @@ struct TimeFitOptions {
 /// An output that its offset explains alone cannot be fitted (no_usable_start); one that it explains as well, in the
 /// F test at 1 %, leaves every parameter of the model not identified.
 /// Frequencies in the result (centre_omega, ranges of coefficients) are those the record resolves.
-/// @throws std::invalid_argument  as fit(); a prior; a structure that is no ratio of sums of powers or has a parameter
+/// @throws std::invalid_argument  as fit(); a structure that is no ratio of sums of powers or has a parameter
 /// "offset" or "drift"; an output outside 1e-140 to 1e140, whose sums of squares leave double precision.
 [[nodiscard]] FitResult fit(const TimeResponseData& data, const Structure& structure,
                             const TimeFitOptions& options = {});

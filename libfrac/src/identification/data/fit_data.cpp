@@ -2,6 +2,7 @@
 #include "fit_data.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "frac/identification/constraints.hpp"
@@ -20,9 +21,12 @@ Component fitted_component(const FrequencyResponseData& data, Component wanted) 
 namespace frac::detail {
 namespace {
 
-void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value) {
-  std::erase_if(constraints, [&](const ParameterConstraint& constraint) { return constraint.name == parameter; });
-  constraints.push_back({std::string(parameter), value, {}, {}, {}});
+void start_at(std::vector<ParameterConstraint>& constraints, const ParameterEstimate& estimate) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (estimate.fixed || !std::isfinite(estimate.value)) return;
+  ParameterConstraint& known = constraint_of(constraints, estimate.name);
+  if (!known.fixed)
+    known.start = std::clamp(estimate.value, known.lower.value_or(-infinity), known.upper.value_or(infinity));
 }
 
 }  // namespace
@@ -40,16 +44,26 @@ FitOptions settled(const FitOptions& options, const FitResult& result) {
   return known;
 }
 
-FitOptions started_at(const FitOptions& options, const FitResult& result) {
-  FitOptions started = options;
-  started.global_start = false;
+TimeFitOptions settled(const TimeFitOptions& options, const FitResult& result) {
+  TimeFitOptions known = options;
+  for (const ParameterEstimate& each : result.parameters)
+    if (each.name == offset_name && each.fixed) known.offset = each.value;
+  return known;
+}
+
+FitOptions started_at(FitOptions options, const FitResult& result) {
+  options.global_start = false;
+  for (const ParameterEstimate& estimate : result.parameters) start_at(options.constraints, estimate);
+  return options;
+}
+
+TimeFitOptions started_at(TimeFitOptions options, const FitResult& result) {
+  options.global_start = false;
   for (const ParameterEstimate& estimate : result.parameters) {
-    if (estimate.fixed) continue;
-    ParameterConstraint& known = constraint_of(started.constraints, estimate.name);
-    known.start = std::clamp(estimate.value, known.lower.value_or(-std::numeric_limits<double>::infinity()),
-                             known.upper.value_or(std::numeric_limits<double>::infinity()));
+    const bool eliminated = estimate.name == offset_name || estimate.name == drift_name;
+    if (!eliminated) start_at(options.constraints, estimate);
   }
-  return started;
+  return options;
 }
 
 std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
@@ -90,6 +104,12 @@ TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::s
     if ((i >= first && i < last) == inside) index.push_back(data.observed()[i]);
   }
   return data.observed_at(std::move(index));
+}
+
+void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value) {
+  ParameterConstraint& own = constraint_of(constraints, parameter);
+  const std::string above = own.above;
+  own = {std::string(parameter), value, {}, {}, {}, {}, above};
 }
 
 void hold(FitOptions& options, std::string_view parameter, double value) {

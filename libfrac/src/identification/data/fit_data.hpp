@@ -17,11 +17,14 @@ inline constexpr const char* drift_name = "drift";
 /// Whether this component of the data, real or imaginary, is 0 at every frequency.
 [[nodiscard]] bool is_empty(const FrequencyResponseData& data, Component component);
 
-/// The options with what a fit has learned from the data: its noise floor.
+/// The options with what a fit has learned from the data: its noise floor, or that the offset is held.
 [[nodiscard]] FitOptions settled(const FitOptions& options, const FitResult& result);
+[[nodiscard]] TimeFitOptions settled(const TimeFitOptions& options, const FitResult& result);
 
-/// The options with a start at the estimates of another fit, and no search.
-[[nodiscard]] FitOptions started_at(const FitOptions& options, const FitResult& result);
+/// The options with a start at the estimates of another fit, moved into the limits, and no search.  What a constraint
+/// or that fit holds stays as the constraint says; an estimate that is not finite gives no start.
+[[nodiscard]] FitOptions started_at(FitOptions options, const FitResult& result);
+[[nodiscard]] TimeFitOptions started_at(TimeFitOptions options, const FitResult& result);
 
 /// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
 [[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
@@ -45,6 +48,8 @@ inline constexpr const char* drift_name = "drift";
                                             bool inside);
 [[nodiscard]] TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside);
 
+/// Holds a parameter; nothing else that is known of it counts then, but which one it is above.
+void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value);
 /// The same fit with one parameter held.
 void hold(FitOptions& options, std::string_view parameter, double value);
 void hold(TimeFitOptions& options, std::string_view parameter, double value);

@@ -6,34 +6,43 @@
 #include "frac/parallel_for.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/statistics/curvature_fit.hpp"
+#include "preparation.hpp"
 
 namespace frac::detail {
 namespace {
 
 /// The result, where it is one of a curve that has more residuals than parameters.
-std::optional<FitResult> fit_one(const JointCurve& curve, const Structure& structure, const FitOptions& options) {
-  const std::size_t per_point = options.component == Component::both ? 2 : 1;
+/// @param near  where the search is to start, or null
+std::optional<FitResult> fit_one(const JointCurve& curve, const Structure& structure, const JointFitOptions& options,
+                                 const FitResult* near) {
   const std::size_t most = structure.parameter_names().size();
-  if (per_point * curve.data.size() <= most) return std::nullopt;
-  FitResult result = curvature_fit(curve.data, structure, options);
-  if (!result.usable()) return std::nullopt;
-  return result;
+  const CurveOptions own = options_of(curve, options);
+  const auto fitted = [&](const auto& data, const auto& given) -> std::optional<FitResult> {
+    if (residuals_per_point(data, given) * points(data) <= most) return std::nullopt;
+    FitResult result = curvature_fit(data, structure, near ? started_at(given, *near) : given);
+    if (!result.usable()) return std::nullopt;
+    return result;
+  };
+  if (const FrequencyResponseData* response = curve.response()) return fitted(*response, std::get<FitOptions>(own));
+  return fitted(*curve.record(), std::get<TimeFitOptions>(own));
 }
 
-}  // namespace
-
-std::vector<std::optional<FitResult>> fit_alone(const std::vector<JointCurve>& curves, const Structure& structure,
-                                                const JointFitOptions& options) {
-  std::vector<std::optional<FitResult>> results(curves.size());
+/// The fits of curves of one kind, whose residuals compare.
+/// @param of_kind  their indices
+void fit_kind(const std::vector<JointCurve>& curves, const std::vector<std::size_t>& of_kind,
+              const Structure& structure, const JointFitOptions& options,
+              std::vector<std::optional<FitResult>>& results) {
+  if (of_kind.empty()) return;
   constexpr std::size_t searched_everywhere = 3;
   std::vector<std::size_t> first, others;
-  const std::size_t spread = std::min(searched_everywhere, curves.size());
-  for (std::size_t k = 0; k < spread; ++k) first.push_back(spread > 1 ? k * (curves.size() - 1) / (spread - 1) : 0);
-  for (std::size_t c = 0; c < curves.size(); ++c)
+  const std::size_t spread = std::min(searched_everywhere, of_kind.size());
+  for (std::size_t k = 0; k < spread; ++k)
+    first.push_back(of_kind[spread > 1 ? k * (of_kind.size() - 1) / (spread - 1) : 0]);
+  for (const std::size_t c : of_kind)
     if (std::find(first.begin(), first.end(), c) == first.end()) others.push_back(c);
 
   parallel_for(first.size(), options.threads,
-               [&](std::size_t k) { results[first[k]] = fit_one(curves[first[k]], structure, options.fit); });
+               [&](std::size_t k) { results[first[k]] = fit_one(curves[first[k]], structure, options, nullptr); });
   double largest = 0;
   for (const std::size_t c : first)
     if (results[c]) largest = std::max(largest, results[c]->rms);
@@ -48,14 +57,25 @@ std::vector<std::optional<FitResult>> fit_alone(const std::vector<JointCurve>& c
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
     for (const std::size_t c : order) {
       if (!results[c]) continue;
-      auto result = fit_one(curve, structure, started_at(options.fit, *results[c]));
+      auto result = fit_one(curve, structure, options, &*results[c]);
       if (result && (!best || result->rms < best->rms)) best = std::move(result);
       if (best && best->rms <= largest) return;
     }
     if (best && best->rms <= suspicious * largest) return;
-    auto result = fit_one(curve, structure, options.fit);
+    auto result = fit_one(curve, structure, options, nullptr);
     if (result && (!best || result->rms < best->rms)) best = std::move(result);
   });
+}
+
+}  // namespace
+
+std::vector<std::optional<FitResult>> fit_alone(const std::vector<JointCurve>& curves, const Structure& structure,
+                                                const JointFitOptions& options) {
+  std::vector<std::optional<FitResult>> results(curves.size());
+  std::vector<std::size_t> responses, records;
+  for (std::size_t c = 0; c < curves.size(); ++c) (curves[c].response() ? responses : records).push_back(c);
+  fit_kind(curves, responses, structure, options, results);
+  fit_kind(curves, records, structure, options, results);
   return results;
 }
 

@@ -227,12 +227,13 @@ class JointErrors {
   /// The noise is what is left of the residuals once the curve is fitted alone, without what sharing adds.
   void find_noise(std::size_t c) {
     Curve& curve = at_[c];
-    Eigen::MatrixXd& fitted = curve.fitted;
+    const auto count = static_cast<Eigen::Index>(curves_[c].count());
+    const Eigen::MatrixXd eliminated = curves_[c].eliminated_columns();
+    Eigen::MatrixXd fitted(count, curve.fitted.cols() + eliminated.cols());
+    fitted << curve.fitted.topRows(count), eliminated;
     const Eigen::VectorXd scale = fitted.colwise().norm().transpose();
     for (Eigen::Index k = 0; k < fitted.cols(); ++k)
       if (scale[k] > 0) fitted.col(k) /= scale[k];
-    const auto count = static_cast<Eigen::Index>(curves_[c].count());
-    fitted = Eigen::MatrixXd(fitted.topRows(count));
     Eigen::MatrixXd alone = pulls_.residual[c].head(count);
     remove_span(PivotedQr(fitted).basis(), alone);
     const Eigen::VectorXd left = alone.col(0);
@@ -254,12 +255,14 @@ class JointErrors {
       return (priors * unit_covariance).cwiseProduct(priors).sum();
     };
     result_.from_priors += told_by(shared_priors_);
-    std::size_t residuals = 0;
+    std::size_t residuals = 0, eliminated = 0;
     for (std::size_t c = 0; c < curves_.size(); ++c) {
+      eliminated += curves_[c].eliminated();
       result_.from_priors += told_by(at_[c].rest.bottomRows(own_priors_));
       residuals += curves_[c].count();
     }
-    const double degrees = static_cast<double>(residuals) - static_cast<double>(result_.rank) + result_.from_priors;
+    const double degrees =
+        static_cast<double>(residuals) - static_cast<double>(result_.rank + eliminated) + result_.from_priors;
     result_.half_width = student_t_95(degrees);
     result_.deviation = degrees > 0 ? std::sqrt(pulls_.variance / degrees) : nan;
     result_.loss_unit = degrees > 0 ? pulls_.loss_unit / degrees : nan;

@@ -72,6 +72,9 @@ JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure&
   if (curves.empty()) throw std::invalid_argument("there is no curve to fit");
   detail::require_function_of_s(master);
   validate(given.fit.realisation);
+  for (const JointCurve& curve : curves)
+    if (given.shift && curve.record())
+      throw std::invalid_argument("curve '" + curve.name + "' is over time, and a shift lays frequency responses");
   JointFitResult result = fitted(curves, master, given);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

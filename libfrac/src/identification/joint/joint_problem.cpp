@@ -6,8 +6,10 @@
 #include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
-#include "identification/residuals/priors.hpp"
+#include "identification/residuals/frequency_problem.hpp"
+#include "identification/residuals/time_problem.hpp"
 
 namespace frac::detail {
 namespace {
@@ -234,30 +236,26 @@ std::vector<JointLayout::Slope> JointLayout::slopes(std::span<const double> shar
   return all;
 }
 
-CurveResiduals::CurveResiduals(const FrequencyResponseData& data, const Structure& structure,
-                               const Realisation& realisation, const JointLayout& layout, std::size_t index,
-                               ResidualRule rule, double noise)
-    : data_(data),
-      structure_(structure),
-      realisation_(realisation),
+std::unique_ptr<Problem> problem_of(const JointCurve& curve, const Structure& structure, const CurveOptions& settled) {
+  if (const FrequencyResponseData* response = curve.response())
+    return std::make_unique<FrequencyProblem>(*response, structure, std::get<FitOptions>(settled), ByParameters{});
+  return std::make_unique<TimeProblem>(*curve.record(), structure, std::get<TimeFitOptions>(settled), ByParameters{});
+}
+
+CurveResiduals::CurveResiduals(std::unique_ptr<Problem> problem, const JointLayout& layout, std::size_t index,
+                               double noise)
+    : problem_(std::move(problem)),
+      residuals_(problem_->residuals()),
       layout_(layout),
       index_(index),
-      rule_(std::move(rule)),
       noise_(noise),
-      value_(data.size()),
-      gradient_(data.size() * structure.parameter_names().size()),
-      column_(data.size()) {}
+      by_parameters_(residuals_.count() * problem_->structure.parameter_names().size()) {}
 
 bool CurveResiduals::evaluate(std::span<const double> shared, std::span<const double> own, double* residual,
                               double* jacobian) {
   const std::vector<double> parameters = layout_.parameters(shared, own, index_);
-  if (jacobian) {
-    structure_.response_and_gradient(parameters, data_.omega(), realisation_, value_, gradient_);
-  } else {
-    structure_.response(parameters, data_.omega(), realisation_, value_);
-  }
-  if (!rule_.residuals(value_, data_.value(), residual)) return false;
-  const double factor = rule_.unit / noise_;
+  if (!residuals_.evaluate(parameters, residual, jacobian ? by_parameters_.data() : nullptr)) return false;
+  const double factor = problem_->unit / noise_;
   std::for_each_n(residual, count(), [&](double& each) { each *= factor; });
   for (std::size_t k = 0; k < layout_.own_priors.size(); ++k) {
     const JointLayout::Pull pull = layout_.pull(layout_.own_priors[k], shared, own, index_);
@@ -268,18 +266,14 @@ bool CurveResiduals::evaluate(std::span<const double> shared, std::span<const do
       jacobian[variable * rows() + row] = prior_weight_ * pull.by_variable[variable];
   }
   if (!jacobian) return true;
-  const auto slopes = layout_.slopes(shared, own, index_);
   const std::size_t columns = layout_.own.size() + layout_.shared.size();
-  auto next = slopes.begin();
-  for (std::size_t variable = 0; variable < columns; ++variable) {
-    std::fill(column_.begin(), column_.end(), 0.0);
-    for (; next != slopes.end() && next->variable == variable; ++next) {
-      const auto of_parameter = std::span(gradient_).subspan(next->parameter * data_.size(), data_.size());
-      const double slope = factor * next->slope;
-      std::transform(of_parameter.begin(), of_parameter.end(), column_.begin(), column_.begin(),
-                     [&](std::complex<double> each, std::complex<double> sum) { return sum + slope * each; });
-    }
-    if (!rule_.derivatives(value_, column_, jacobian + variable * rows())) return false;
+  for (std::size_t variable = 0; variable < columns; ++variable)
+    std::fill_n(jacobian + variable * rows(), count(), 0.0);
+  for (const JointLayout::Slope& each : layout_.slopes(shared, own, index_)) {
+    const double slope = factor * each.slope;
+    const double* const from = by_parameters_.data() + each.parameter * count();
+    double* const to = jacobian + each.variable * rows();
+    for (std::size_t row = 0; row < count(); ++row) to[row] += slope * from[row];
   }
   return true;
 }

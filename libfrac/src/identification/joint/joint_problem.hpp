@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "frac/identification/joint_fit.hpp"
-#include "identification/data/residual_rule.hpp"
+#include "identification/residuals/problem.hpp"
 #include "laws.hpp"
 
 namespace frac::detail {
@@ -100,20 +101,30 @@ struct JointLayout {
   const Laws& laws_;
 };
 
+/// What is fitted to a curve, by the parameters of the structure themselves.
+/// @param settled  options of its kind with what its fit alone has learned; they stay with the caller, as all else
+using CurveOptions = std::variant<FitOptions, TimeFitOptions>;
+[[nodiscard]] std::unique_ptr<Problem> problem_of(const JointCurve& curve, const Structure& structure,
+                                                  const CurveOptions& settled);
+
 /// Residuals of one curve, each divided by the noise of the curve, and their derivatives; behind them the priors of its
 /// own parameters, in units of the residuals.  Not thread-safe: it keeps buffers between calls.
 class CurveResiduals {
  public:
-  /// @param index  of the curve
-  /// @param noise  standard deviation of a residual
-  CurveResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
-                 const JointLayout& layout, std::size_t index, ResidualRule rule, double noise);
+  /// @param problem  by the parameters
+  /// @param index    of the curve
+  /// @param noise    standard deviation of a residual
+  CurveResiduals(std::unique_ptr<Problem> problem, const JointLayout& layout, std::size_t index, double noise);
 
   /// Residuals of the data.
-  [[nodiscard]] std::size_t count() const { return data_.size() * rule_.per_point(); }
+  [[nodiscard]] std::size_t count() const { return residuals_.count(); }
   /// These and the priors.
   [[nodiscard]] std::size_t rows() const { return count() + layout_.own_priors.size(); }
-  [[nodiscard]] std::size_t per_point() const { return rule_.per_point(); }
+  [[nodiscard]] std::size_t per_point() const { return residuals_.per_point(); }
+  /// Linear parameters of the curve, such as an offset, which the residuals are projected free of.
+  [[nodiscard]] std::size_t eliminated() const { return residuals_.eliminated(); }
+  /// Their derivatives of the residuals: count() x eliminated().
+  [[nodiscard]] Eigen::MatrixXd eliminated_columns() const { return residuals_.eliminated_columns(); }
   [[nodiscard]] double noise() const { return noise_; }
   void set_noise(double noise) { noise_ = noise; }
   /// Standard deviation that a residual is taken to have where priors are weighed against it.
@@ -122,6 +133,7 @@ class CurveResiduals {
   void set_loss(Loss loss, double scale) {
     loss_ = loss;
     loss_scale_ = scale;
+    residuals_.set_loss(loss, scale * noise_ / problem_->unit);
   }
   [[nodiscard]] Loss loss() const { return loss_; }
   /// In units of the noise.
@@ -133,17 +145,15 @@ class CurveResiduals {
   bool evaluate(std::span<const double> shared, std::span<const double> own, double* residual, double* jacobian);
 
  private:
-  const FrequencyResponseData& data_;
-  const Structure& structure_;
-  Realisation realisation_;
+  std::unique_ptr<Problem> problem_;
+  Residuals& residuals_;
   const JointLayout& layout_;
   std::size_t index_;
-  ResidualRule rule_;
   double noise_;
   double prior_weight_ = 1;
   Loss loss_ = Loss::none;
   double loss_scale_ = 1;
-  std::vector<std::complex<double>> value_, gradient_, column_;
+  std::vector<double> by_parameters_;  // a column for each
 };
 
 }  // namespace frac::detail

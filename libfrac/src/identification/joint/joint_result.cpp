@@ -208,7 +208,7 @@ void describe_shared_priors(const JointLayout& layout, JointFitResult& result) {
 
 void describe_failure(double cost, JointFitResult& result) {
   result.termination = FitTermination::no_usable_start;
-  result.message = "The model is not finite on these frequencies anywhere it was tried.";
+  result.message = "The model is not finite on these data anywhere it was tried.";
   result.cost = result.loss_cost = cost;
   result.sharing_p_value = result.condition = result.half_width = nan;
 }
@@ -221,6 +221,7 @@ void describe(const JointSolution& solution, std::vector<CurveResiduals>& curves
   result.condition = solution.found.condition;
   result.half_width = solution.found.half_width;
   result.effective_parameters = static_cast<double>(solution.found.rank) - solution.found.from_priors;
+  for (const CurveResiduals& curve : curves) result.effective_parameters += static_cast<double>(curve.eliminated());
   describe_shared(solution, result);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     JointCurveResult curve = describe_curve(solution, c, result.shared);

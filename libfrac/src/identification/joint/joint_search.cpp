@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "identification/residuals/time_problem.hpp"
 #include "identification/search/robust.hpp"
 #include "noise_levels.hpp"
 
@@ -147,11 +149,12 @@ std::vector<double> noise_left(std::vector<CurveResiduals>& curves, const JointL
 }
 
 /// The residuals of each curve, weighed as the fits alone say.
-std::vector<CurveResiduals> problem_of(const std::vector<JointCurve>& curves, const Structure& structure,
-                                       const FitOptions& options, const JointLayout& layout, const Preparation& known) {
+std::vector<CurveResiduals> residuals_of(const std::vector<JointCurve>& curves, const Structure& structure,
+                                         const FitOptions& options, const JointLayout& layout,
+                                         const Preparation& known) {
   std::vector<CurveResiduals> problem;
   for (std::size_t c = 0; c < curves.size(); ++c)
-    problem.emplace_back(curves[c].data, structure, options.realisation, layout, c, known.rules[c], known.noise[c]);
+    problem.emplace_back(problem_of(curves[c], structure, known.settled[c]), layout, c, known.noise[c]);
   set_losses(problem, known.alone, options);
   return problem;
 }
@@ -161,9 +164,10 @@ void count(const std::vector<CurveResiduals>& problem, const JointLayout& layout
   std::size_t held = 0;
   for (std::size_t c = 0; c < problem.size(); ++c) {
     result.residuals += problem[c].count();
+    result.free_parameters += problem[c].eliminated();
     for (std::size_t k = 0; k < layout.own.size(); ++k) held += layout.is_held(c, k) ? 1 : 0;
   }
-  result.free_parameters = layout.shared.size() + problem.size() * layout.own.size() - held;
+  result.free_parameters += layout.shared.size() + problem.size() * layout.own.size() - held;
   if (result.residuals < result.free_parameters)
     throw std::invalid_argument(counted(result.residuals, "residual") + " cannot determine " +
                                 counted(result.free_parameters, "free parameter"));
@@ -175,8 +179,16 @@ struct OmegaRange {
 OmegaRange range_of(const std::vector<JointCurve>& curves) {
   OmegaRange range;
   for (const JointCurve& curve : curves) {
-    range.lower = std::min(range.lower, curve.data.omega().front());
-    range.upper = std::max(range.upper, curve.data.omega().back());
+    if (const FrequencyResponseData* response = curve.response()) {
+      range.lower = std::min(range.lower, response->omega().front());
+      range.upper = std::max(range.upper, response->omega().back());
+      continue;
+    }
+    // A dead time as long as the record, and periods of two samples.
+    const TimeResponseData& record = *curve.record();
+    const double length = length_of(record);
+    range.lower = std::min(range.lower, 2 * std::numbers::pi / length);
+    range.upper = std::max(range.upper, std::numbers::pi * static_cast<double>(record.size() - 1) / length);
   }
   return range;
 }
@@ -250,7 +262,7 @@ JointSearch::JointSearch(const std::vector<JointCurve>& curves, const Structure&
   const std::vector<JointVariable> variables = variables_of(laws, of_laws, known.values, law_starts);
   const OmegaRange range = range_of(curves);
   layout_.emplace(structure, options, laws, variables, of_laws, range.lower, range.upper);
-  problem_ = problem_of(curves, structure, options.fit, *layout_, known);
+  problem_ = residuals_of(curves, structure, options.fit, *layout_, known);
   shared_ = shared_starts(*layout_, known.values, known.alone, law_starts);
   own_ = own_starts(*layout_, known.values);
 }

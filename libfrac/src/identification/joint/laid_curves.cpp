@@ -47,7 +47,7 @@ Preparation from_superposition(const std::vector<JointCurve>& curves, const Stru
     }
     result.values.from_curve.push_back(false);
     result.values.lead_laws.push_back(1);
-    result.rules.push_back(residual_rule(curves[c].data, settled(of_master, found.master)));
+    result.settled.emplace_back(settled(of_master, found.master));
   }
   return result;
 }
@@ -154,8 +154,7 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
     }
     const FitResult all = fit_laid(curves, now.horizontal, now.vertical, master, of_master);
     if (!all.usable()) return std::nullopt;
-    for (std::size_t c = 0; c < curves.size(); ++c)
-      known.rules[c] = residual_rule(curves[c].data, settled(options.fit, all));
+    for (std::size_t c = 0; c < curves.size(); ++c) known.settled[c] = settled(options.fit, all);
   }
   return std::nullopt;
 }

@@ -12,23 +12,36 @@
 namespace frac::detail {
 namespace {
 
-/// Standard deviation of a residual of each curve, of the well-behaved ones under a loss.
-std::vector<double> noise_of(const std::vector<JointCurve>& curves, const std::vector<ResidualRule>& rules,
-                             const Alone& alone, const FitOptions& options) {
-  if (options.weight == Weight::given || options.weight == Weight::repeats)
-    return std::vector<double>(curves.size(), 1.0);
-  std::vector<CurveVariance> told(curves.size(), {0, 0});
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    if (!alone[c]) continue;
-    const double degrees = static_cast<double>(alone[c]->residuals) - static_cast<double>(alone[c]->free_parameters);
-    // An exact fit leaves rounding, of which no less than this is meant.
-    const double rounding = 1e-14 * rules[c].unit;
-    if (!(degrees > 0)) continue;
-    const double spread = alone[c]->loss_scale / tuning_constant(options.loss);
-    const double variance = options.loss == Loss::none ? alone[c]->cost / degrees : spread * spread;
-    told[c] = {std::max(variance, rounding * rounding), degrees};
+/// The variance of a residual that the fit of a curve alone leaves, of the well-behaved ones under a loss.
+CurveVariance variance_left(const FitResult& alone, double unit, Loss loss) {
+  const double degrees = static_cast<double>(alone.residuals) - static_cast<double>(alone.free_parameters);
+  if (!(degrees > 0)) return {0, 0};
+  // An exact fit leaves rounding, of which no less than this is meant.
+  const double rounding = 1e-14 * unit;
+  const double spread = alone.loss_scale / tuning_constant(loss);
+  const double variance = loss == Loss::none ? alone.cost / degrees : spread * spread;
+  return {std::max(variance, rounding * rounding), degrees};
+}
+
+/// Standard deviation of a residual of each curve.  Levels are drawn together among curves of one kind.
+std::vector<double> noise_of(const std::vector<JointCurve>& curves, const Structure& structure,
+                             const std::vector<CurveOptions>& settled, const Alone& alone, const FitOptions& options) {
+  std::vector<double> noise(curves.size(), 1.0);
+  if (options.weight == Weight::given || options.weight == Weight::repeats) return noise;
+  for (const bool over_time : {false, true}) {
+    std::vector<std::size_t> of_kind;
+    std::vector<CurveVariance> told;
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+      if ((curves[c].record() != nullptr) != over_time) continue;
+      of_kind.push_back(c);
+      told.push_back(alone[c]
+                         ? variance_left(*alone[c], problem_of(curves[c], structure, settled[c])->unit, options.loss)
+                         : CurveVariance{0, 0});
+    }
+    const std::vector<double> levels = moderated_deviations(told);
+    for (std::size_t k = 0; k < of_kind.size(); ++k) noise[of_kind[k]] = levels[k];
   }
-  return moderated_deviations(told);
+  return noise;
 }
 
 StartValues start_values(const Structure& structure, const JointFitOptions& options, const Alone& alone) {
@@ -37,7 +50,8 @@ StartValues start_values(const Structure& structure, const JointFitOptions& opti
     return a.has_value() && (!b.has_value() || a->rms < b->rms);
   });
   if (best->has_value()) {
-    for (const ParameterEstimate& each : (*best)->parameters) otherwise.push_back(each.value);
+    for (std::size_t i = 0; i < structure.parameter_names().size(); ++i)
+      otherwise.push_back((*best)->parameters[i].value);
   } else {
     for (const std::string& name : structure.parameter_names()) {
       const auto known = std::find_if(options.fit.constraints.begin(), options.fit.constraints.end(),
@@ -60,16 +74,31 @@ StartValues start_values(const Structure& structure, const JointFitOptions& opti
 
 }  // namespace
 
+CurveOptions options_of(const JointCurve& curve, const JointFitOptions& options) {
+  const TimeResponseData* const record = curve.record();
+  if (!record) return options.fit;
+  if (options.fit.weight == Weight::given && record->sigma().empty())
+    throw std::invalid_argument("curve '" + curve.name + "': weight given needs the sigma of its samples");
+  TimeFitOptions of_record = options.over_time;
+  of_record.constraints = options.fit.constraints;
+  of_record.loss = options.fit.loss;
+  of_record.loss_scale = options.fit.loss_scale;
+  of_record.seed = options.fit.seed;
+  of_record.global_start = options.fit.global_start;
+  return of_record;
+}
+
 Preparation from_fits_alone(const std::vector<JointCurve>& curves, const Structure& structure,
                             const JointFitOptions& options) {
   JointFitOptions without_priors = options;
   for (ParameterConstraint& each : without_priors.fit.constraints) each.prior = std::nullopt;
   Preparation result{fit_alone(curves, structure, without_priors), {}, {}, {}};
   result.values = start_values(structure, options, result.alone);
-  for (std::size_t c = 0; c < curves.size(); ++c)
-    result.rules.push_back(
-        residual_rule(curves[c].data, result.alone[c] ? settled(options.fit, *result.alone[c]) : options.fit));
-  result.noise = noise_of(curves, result.rules, result.alone, options.fit);
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    CurveOptions& own = result.settled.emplace_back(options_of(curves[c], options));
+    if (result.alone[c]) std::visit([&](auto& known) { known = settled(known, *result.alone[c]); }, own);
+  }
+  result.noise = noise_of(curves, structure, result.settled, result.alone, options.fit);
   return result;
 }
 

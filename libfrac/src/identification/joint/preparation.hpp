@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frac/identification/joint_fit.hpp"
-#include "identification/data/residual_rule.hpp"
+#include "joint_problem.hpp"
 
 namespace frac::detail {
 
@@ -24,9 +24,12 @@ struct StartValues {
 struct Preparation {
   Alone alone;
   StartValues values;
-  std::vector<ResidualRule> rules;
+  std::vector<CurveOptions> settled;
   std::vector<double> noise;  // standard deviation of a residual of each curve
 };
+
+/// The options of a curve by itself.
+[[nodiscard]] CurveOptions options_of(const JointCurve& curve, const JointFitOptions& options);
 
 [[nodiscard]] Preparation from_fits_alone(const std::vector<JointCurve>& curves, const Structure& structure,
                                           const JointFitOptions& options);

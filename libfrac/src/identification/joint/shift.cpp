@@ -134,7 +134,7 @@ FrequencyResponseData together(const std::vector<JointCurve>& curves, const std:
   std::vector<Point> points;
   bool sigma = true;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    const FrequencyResponseData& data = curves[c].data;
+    const FrequencyResponseData& data = *curves[c].response();
     const double along = std::exp(laid[c].shift), down = std::exp(-laid[c].vertical);
     sigma = sigma && !data.sigma().empty();
     for (std::size_t i = 0; i < data.size(); ++i)
@@ -148,7 +148,7 @@ FrequencyResponseData together(const std::vector<JointCurve>& curves, const std:
     value.push_back(each.value);
     if (sigma) deviation.push_back(each.sigma);
   }
-  return {std::move(omega), std::move(value), std::move(deviation), curves.front().data.frequency_unit()};
+  return {std::move(omega), std::move(value), std::move(deviation), curves.front().response()->frequency_unit()};
 }
 
 /// The fit over the range of all curves and half as much beyond, as a curve to lay others on.
@@ -173,7 +173,7 @@ Superposition superposed(const std::vector<JointCurve>& curves, const Structure&
     throw std::invalid_argument("weight 'repeats' has no meaning with a shift, which moves the frequencies");
   std::vector<LogCurve> logs;
   for (const JointCurve& curve : curves) {
-    logs.push_back(log_curve(curve.data, options.component));
+    logs.push_back(log_curve(*curve.response(), options.component));
     if (logs.back().log_omega.size() < 4)
       throw std::invalid_argument("curve " + curve.name + " has too few points to be shifted; 4 are needed");
   }

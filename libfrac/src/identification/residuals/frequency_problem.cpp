@@ -4,9 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "identification/data/fit_data.hpp"
 
 namespace frac::detail {
+namespace {
 
+/// Typical magnitudes of the data and the ranges they span.
 DataScale data_scale(const FrequencyResponseData& data) {
   double sum = 0, lower = std::numeric_limits<double>::infinity(), upper = 0;
   std::size_t nonzero = 0;
@@ -26,16 +31,42 @@ DataScale data_scale(const FrequencyResponseData& data) {
           std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
 }
 
+}  // namespace
+
 FrequencyProblem::FrequencyProblem(const FrequencyResponseData& given, const Structure& model, const FitOptions& wanted)
-    : data(given),
-      structure(model),
+    : Problem(model, wanted.constraints, data_scale(given), wanted.component == Component::magnitude),
+      data(given),
       options(wanted),
-      map(model, wanted.constraints, data_scale(given), wanted.component == Component::magnitude),
-      priors(model, wanted.constraints, map),
       rule(residual_rule(given, wanted)),
-      residuals(given, model, wanted.realisation, map, rule) {
-  // Until the residuals tell: noise of a hundredth of the data, in units of which residuals are.
-  residuals.set_priors(priors, 0.01);
+      residuals_(given, model, options.realisation, map, rule) {
+  unit = rule.unit;
+  residuals_.set_priors(priors, expected_noise);
+}
+
+FrequencyProblem::FrequencyProblem(const FrequencyResponseData& given, const Structure& model, const FitOptions& wanted,
+                                   ByParameters by)
+    : Problem(model, by),
+      data(given),
+      options(wanted),
+      rule(residual_rule(given, wanted)),
+      residuals_(given, model, options.realisation, map, rule) {
+  unit = rule.unit;
+}
+
+FrequencyProblem::FrequencyProblem(const FrequencyProblem& like, std::vector<ParameterConstraint> known)
+    : Problem(like.structure, std::move(known), like.map.scale(), like.options.component == Component::magnitude),
+      data(like.data),
+      options(like.options),
+      rule(like.rule),
+      residuals_(data, structure, options.realisation, map, rule) {
+  unit = rule.unit;
+  residuals_.set_priors(priors, like.residuals_.prior_weight());
+}
+
+std::unique_ptr<Problem> FrequencyProblem::held(std::string_view parameter, double value) const {
+  std::vector<ParameterConstraint> known = constraints;
+  hold(known, parameter, value);
+  return std::unique_ptr<Problem>(new FrequencyProblem(*this, std::move(known)));
 }
 
 }  // namespace frac::detail

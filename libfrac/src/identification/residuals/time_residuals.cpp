@@ -11,6 +11,7 @@
 #include "base/linear_algebra.hpp"
 #include "base/median.hpp"
 #include "loss.hpp"
+#include "problem.hpp"
 
 namespace frac::detail {
 
@@ -52,7 +53,7 @@ std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<c
 
 TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
                              const Background& background, std::vector<std::size_t> index, double tolerance,
-                             double unit)
+                             double unit, const Priors& priors)
     : Residuals(map),
       data_(data),
       structure_(structure),
@@ -61,6 +62,7 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
       index_(std::move(index)),
       tolerance_(tolerance),
       events_(event_response(data, index_)) {
+  set_priors(priors, expected_noise);
   const auto count = static_cast<Eigen::Index>(index_.size());
   weight_.resize(count);
   output_.resize(count);

@@ -38,8 +38,10 @@ class TimeResiduals final : public Residuals {
   /// @param index      outputs used
   /// @param tolerance  of the simulation
   /// @param unit       of the residuals: about the size of the output over sigma
+  /// @param priors     weighed by the noise to expect until another is set; they stay with the caller
   TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
-                const Background& background, std::vector<std::size_t> index, double tolerance, double unit);
+                const Background& background, std::vector<std::size_t> index, double tolerance, double unit,
+                const Priors& priors);
 
   [[nodiscard]] std::size_t points() const noexcept override { return index_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }

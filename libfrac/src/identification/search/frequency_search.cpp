@@ -18,7 +18,7 @@ struct FewResiduals {
                std::size_t count)
       : points(thinned(data, rule, count)),
         residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule) {
-    residuals.set_priors(problem.priors, problem.residuals.prior_weight());
+    residuals.set_priors(problem.priors, expected_noise);
   }
   Thinned points;
   FrequencyResiduals residuals;
@@ -36,15 +36,14 @@ GlobalSolution search_from_nothing(const FrequencyProblem& problem, const FewRes
 }
 
 /// The solve from the start values; `starts_at_best` is 0 where the model is not finite there.
-GlobalSolution search_from_start(const FrequencyProblem& problem, const FewResiduals& few,
-                                 const LocalOptions& options) {
+GlobalSolution search_from_start(FrequencyProblem& problem, const FewResiduals& few, const LocalOptions& options) {
   require_start_values(problem.map, problem.structure);
   GlobalSolution result;
   result.starts = 1;
   result.minima = 1;
   result.confidence = std::numeric_limits<double>::quiet_NaN();
   result.best.theta = problem.map.to_theta(problem.map.start());
-  if (!std::isfinite(problem.residuals.cost(result.best.theta))) return result;
+  if (!std::isfinite(problem.residuals().cost(result.best.theta))) return result;
   result.best = local_solve(few.residuals, result.best.theta, options);
   result.starts_at_best = 1;
   return result;
@@ -52,7 +51,7 @@ GlobalSolution search_from_start(const FrequencyProblem& problem, const FewResid
 
 }  // namespace
 
-GlobalSolution frequency_search(const FrequencyProblem& problem, double hopeless, double settled) {
+GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, double settled) {
   // First iterations stay quick on so many points, and see the same shape.
   const FewResiduals few(problem, problem.data, problem.rule, 500);
   const bool blind = problem.options.global_start && !problem.map.free().empty();
@@ -62,7 +61,7 @@ GlobalSolution frequency_search(const FrequencyProblem& problem, double hopeless
       blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
   if (result.starts_at_best == 0) return result;
   if (few.points.data.size() < problem.data.size()) {
-    result.best = local_solve(problem.residuals, result.best.theta, options);
+    result.best = local_solve(problem.residuals(), result.best.theta, options);
   }
   if (!std::isfinite(result.best.cost)) return {};
   return result;

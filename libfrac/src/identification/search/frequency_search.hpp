@@ -11,6 +11,6 @@ namespace frac::detail {
 /// @param hopeless  as global_search()
 /// @param settled   relative change of the cost at which a solve from start values ends
 /// @throws std::invalid_argument  a parameter without a start value where the search is off
-[[nodiscard]] GlobalSolution frequency_search(const FrequencyProblem& problem, double hopeless, double settled);
+[[nodiscard]] GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, double settled);
 
 }  // namespace frac::detail

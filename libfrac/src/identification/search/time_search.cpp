@@ -40,9 +40,11 @@ std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::siz
 
 class TimeSearch {
  public:
-  explicit TimeSearch(const TimeProblem& problem)
+  TimeSearch(const TimeProblem& problem, double hopeless, double settled)
       : problem_(problem),
-        few_(problem.residuals(every_nth(problem.data.observed(), few_outputs), coarse)),
+        hopeless_(hopeless),
+        settled_(settled),
+        few_(problem.residuals_at(every_nth(problem.data.observed(), few_outputs), coarse)),
         generator_(problem.options.seed) {
     result_.best.cost = std::numeric_limits<double>::infinity();
   }
@@ -52,7 +54,8 @@ class TimeSearch {
     if (is_complete(map.start(), map)) try_from(map.to_theta(map.start()));
     if (problem_.options.global_start && !map.free().empty() && !is_exact()) {
       search_transforms();
-      const TimeResiduals sparse = problem_.residuals(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
+      const TimeResiduals sparse =
+          problem_.residuals_at(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
       if (!std::isfinite(result_.best.cost)) {
         follow(start_among(sparse, {}, far_beyond * hopeless_among(sparse)));
       }
@@ -84,11 +87,11 @@ class TimeSearch {
     return options;
   }
 
-  /// The cost of these residuals that is as poor as TimeProblem::hopeless.
+  /// The cost of these residuals that is as poor as the hopeless one.
   [[nodiscard]] double hopeless_among(const TimeResiduals& residuals) const {
     const double of_all =
         static_cast<double>(residuals.points()) / static_cast<double>(problem_.data.observed().size());
-    return problem_.hopeless * of_all / (problem_.unit * problem_.unit);
+    return hopeless_ * of_all / (problem_.unit * problem_.unit);
   }
   [[nodiscard]] bool is_hopeless(double times = 1) const { return result_.best.cost > times * hopeless_among(few_); }
 
@@ -114,8 +117,8 @@ class TimeSearch {
   // of the three differ, and starts from several of them that come to one minimum in time confirm it.
   void search_transforms() {
     for (const double decay : {8.0, 4.0, 2.0}) {
-      const LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset,
-                                         decay);
+      LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset, decay);
+      transformed.set_priors(problem_.priors, 1);  // these residuals are in units of the errors they should have
       if (transformed.points() < problem_.map.free().size()) continue;
       follow(start_among(transformed, suggested_orders(transformed.quotient())));
       if (is_exact() || at_best() > 1 || is_hopeless(far_beyond)) return;
@@ -174,13 +177,13 @@ class TimeSearch {
     const bool hopeless = is_hopeless();
     // Errors of the simulation far below the residuals move nothing.
     const double rms = std::sqrt(result_.best.cost / static_cast<double>(few_.count()));
-    const TimeResiduals all = problem_.residuals(problem_.data.observed(),
-                                                 hopeless ? coarse : std::clamp(1e-6 * rms, finest_simulation, coarse));
+    const TimeResiduals all = problem_.residuals_at(
+        problem_.data.observed(), hopeless ? coarse : std::clamp(1e-6 * rms, finest_simulation, coarse));
     const ParameterMap& map = problem_.map;
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
     LocalOptions last;
-    last.cost_tolerance = problem_.settled;
+    last.cost_tolerance = settled_;
     result_.best = local_solve(all, start, hopeless ? nearly() : last);
     // Patience in rounds, as long as one of them gains more than noise in the data makes of the cost.
     LocalOptions patient = last;
@@ -193,6 +196,7 @@ class TimeSearch {
   }
 
   const TimeProblem& problem_;
+  double hopeless_, settled_;
   TimeResiduals few_;
   std::mt19937_64 generator_;
   GlobalSolution result_;
@@ -206,8 +210,8 @@ bool is_complete(const std::vector<double>& start, const ParameterMap& map) {
                       [&](const auto& entry) { return std::isnan(start[entry.parameter]); });
 }
 
-GlobalSolution time_search(const TimeProblem& problem) {
-  return TimeSearch(problem).run();
+GlobalSolution time_search(const TimeProblem& problem, double hopeless, double settled) {
+  return TimeSearch(problem, hopeless, settled).run();
 }
 
 }  // namespace frac::detail

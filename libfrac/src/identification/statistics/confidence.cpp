@@ -264,4 +264,20 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   return result;
 }
 
+Confidence weighed_confidence(Problem& problem, LocalSolution& solution, const LocalOptions& options) {
+  constexpr double least = 1e-9;  // of the data: noise of exact data, which priors still complete
+  constexpr double settled = 1e-4;
+  constexpr int most_rounds = 20;
+  Residuals& residuals = problem.residuals();
+  Confidence found = confidence(residuals, solution, options);
+  for (int round = 0; round < most_rounds && !problem.priors.empty() && found.loss_unit >= 0; ++round) {
+    const double noise = std::max(std::sqrt(found.loss_unit), least);
+    if (std::abs(noise - residuals.prior_weight()) <= settled * noise) break;
+    residuals.set_priors(problem.priors, noise);
+    solution = local_solve(residuals, solution.theta, options);
+    found = confidence(residuals, solution, options);
+  }
+  return found;
+}
+
 }  // namespace frac::detail

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "correlated_noise.hpp"
+#include "identification/residuals/problem.hpp"
 #include "identification/search/local_solve.hpp"
 
 namespace frac::detail {
@@ -44,5 +45,8 @@ struct Confidence {
 
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                                     const LocalOptions& options);
+
+/// The same where priors weigh against the residuals by the noise that these tell: the solution moves until that stays.
+[[nodiscard]] Confidence weighed_confidence(Problem& problem, LocalSolution& solution, const LocalOptions& options);
 
 }  // namespace frac::detail

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
 
 namespace frac::detail {
 
@@ -17,26 +19,19 @@ constexpr double open_reach = 60;
 /// symmetric.
 class Profile {
  public:
-  Profile(const FrequencyProblem& problem, const LocalSolution& solution, const LocalOptions& options,
-          const Confidence& confidence, std::size_t parameter)
+  Profile(Problem& problem, const LocalSolution& solution, const LocalOptions& options, const Confidence& confidence,
+          const ProfileCentre& centre)
       : problem_(problem),
         options_(options),
         confidence_(confidence),
-        parameter_(parameter),
-        wanted_(confidence.t * confidence.widening[parameter]),
+        of_(centre),
+        wanted_(confidence.t * centre.widening),
         best_(problem.map.to_user(solution.theta)),
-        best_objective_(solution.objective),
-        held_(problem.options.constraints) {
-    const std::string& name = problem.structure.parameter_names()[parameter];
-    std::string above;
-    std::erase_if(held_, [&](const ParameterConstraint& constraint) {
-      if (constraint.name == name) above = constraint.above;
-      return constraint.name == name;
-    });
-    held_.push_back({name, 0.0, {}, {}, {}, {}, above});
+        best_objective_(solution.objective) {
     options_.cost_tolerance = 1e-10;
     for (const ParameterMap::Free& entry : problem.map.free()) {
-      if (entry.parameter != parameter) continue;
+      if (problem.structure.parameter_names()[entry.parameter] != centre.name) continue;
+      parameter_ = entry.parameter;
       logarithmic_ = entry.logarithmic;
       lower_ = entry.least;
       upper_ = entry.most;
@@ -54,10 +49,10 @@ class Profile {
 
   /// -infinity or infinity where there is none.
   double end(int side, double tolerance, int steps) {
-    double error = confidence_.standard_error[parameter_];
-    if (!(error > 0)) error = 0.01 * std::abs(best_[parameter_]) + 1e-300;  // at a bound
-    const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
-    const double step = wanted_ * (logarithmic_ ? error / best_[parameter_] : error);
+    double error = of_.error;
+    if (!(error > 0)) error = 0.01 * std::abs(of_.value) + 1e-300;  // at a bound
+    const double centre = logarithmic_ ? std::log(of_.value) : of_.value;
+    const double step = wanted_ * (logarithmic_ ? error / of_.value : error);
     inside_ = best_;
     const double found = profile_end([this](double coordinate) { return rise_at(coordinate, wanted_); },
                                      {centre, step, lower_, upper_, logarithmic_}, side, wanted_, tolerance, steps);
@@ -86,11 +81,11 @@ class Profile {
   double rise_at(double coordinate, double outside) {
     const double value = user(coordinate);
     if (!std::isfinite(value) || (logarithmic_ && !(value > 0))) return infinity;
-    held_.back().fixed = value;
-    const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
-                           problem_.options.component == Component::magnitude);
-    FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map, problem_.rule);
-    residuals.set_priors(problem_.priors, problem_.residuals.prior_weight());
+    const std::unique_ptr<Problem> held = problem_.held(of_.name, value);
+    Residuals& residuals = held->residuals();
+    residuals.set_priors(problem_.priors, problem_.residuals().prior_weight());
+    residuals.set_loss(options_.loss, options_.loss_scale);
+    const ParameterMap& map = held->map;
     // From the farthest point inside: one outside may lie in another valley.
     std::vector<double> start = map.to_theta(predicted(user(coordinate)));
     const std::vector<double> unmoved = map.to_theta(inside_);
@@ -108,13 +103,14 @@ class Profile {
   /// relative terms of the estimates, in which the covariance holds farthest.
   [[nodiscard]] std::vector<double> predicted(double value) const {
     std::vector<double> result = inside_;
-    const double variance = confidence_.covariance[parameter_][parameter_];
-    const double change =
-        logarithmic_ ? best_[parameter_] * std::log(value / inside_[parameter_]) : value - inside_[parameter_];
+    if (!parameter_) return result;
+    const std::size_t held = *parameter_;
+    const double variance = confidence_.covariance[held][held];
+    const double change = logarithmic_ ? best_[held] * std::log(value / inside_[held]) : value - inside_[held];
     for (const ParameterMap::Free& entry : problem_.map.free()) {
       const std::size_t i = entry.parameter;
-      const double covariance = confidence_.covariance[i][parameter_];
-      if (i == parameter_ || !std::isfinite(covariance)) continue;
+      const double covariance = confidence_.covariance[i][held];
+      if (i == held || !std::isfinite(covariance)) continue;
       const double shift = covariance / variance * change;
       if (entry.logarithmic) {
         result[i] *= std::exp(std::clamp(shift / best_[i], -3.0, 3.0));
@@ -122,18 +118,18 @@ class Profile {
         result[i] += shift;
       }
     }
-    result[parameter_] = value;
+    result[held] = value;
     return result;
   }
 
-  const FrequencyProblem& problem_;
+  Problem& problem_;
   LocalOptions options_;
   const Confidence& confidence_;
-  std::size_t parameter_;
-  double wanted_;  // standard errors to an end, in white noise
+  ProfileCentre of_;
+  std::optional<std::size_t> parameter_;  // of the structure
+  double wanted_;                         // standard errors to an end, in white noise
   std::vector<double> best_;
   double best_objective_;
-  std::vector<ParameterConstraint> held_;
   std::vector<double> inside_;  // parameters at the farthest point within the interval
   bool logarithmic_ = false;
   double lower_ = -infinity, upper_ = infinity;  // of the coordinate
@@ -175,9 +171,15 @@ double profile_end(const std::function<double(double)>& rise, const ProfileLine&
   return outside;
 }
 
-ProfileEnds profile_ends(const FrequencyProblem& problem, const LocalSolution& solution, const LocalOptions& options,
-                         const Confidence& confidence, std::size_t parameter, double tolerance, int steps) {
-  Profile profile(problem, solution, options, confidence, parameter);
+ProfileCentre profile_centre(const Problem& problem, const LocalSolution& solution, const Confidence& confidence,
+                             std::size_t parameter) {
+  return {problem.structure.parameter_names()[parameter], problem.map.to_user(solution.theta)[parameter],
+          confidence.standard_error[parameter], confidence.widening[parameter]};
+}
+
+ProfileEnds profile_ends(Problem& problem, const LocalSolution& solution, const LocalOptions& options,
+                         const Confidence& confidence, const ProfileCentre& centre, double tolerance, int steps) {
+  Profile profile(problem, solution, options, confidence, centre);
   const double lower = profile.end(-1, tolerance, steps);
   const double upper = profile.end(1, tolerance, steps);
   return {lower, upper, profile.lower_limit(), profile.upper_limit(), profile.below_minimum(), profile.stuck()};

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "confidence.hpp"
-#include "identification/residuals/frequency_problem.hpp"
 
 namespace frac::detail {
 
@@ -34,9 +34,20 @@ struct ProfileEnds {
   bool stuck;
 };
 
-/// The 95 % interval of a free parameter; tolerance and steps as of profile_end().
-[[nodiscard]] ProfileEnds profile_ends(const FrequencyProblem& problem, const LocalSolution& solution,
-                                       const LocalOptions& options, const Confidence& confidence, std::size_t parameter,
-                                       double tolerance, int steps);
+/// Where a profile starts: a parameter of the structure, or one that the residuals are projected free of.
+struct ProfileCentre {
+  std::string name;
+  double value;
+  double error;  // standard, in white noise
+  double widening;
+};
+/// A parameter of the structure.
+[[nodiscard]] ProfileCentre profile_centre(const Problem& problem, const LocalSolution& solution,
+                                           const Confidence& confidence, std::size_t parameter);
+
+/// Its 95 % interval; tolerance and steps as of profile_end().
+[[nodiscard]] ProfileEnds profile_ends(Problem& problem, const LocalSolution& solution, const LocalOptions& options,
+                                       const Confidence& confidence, const ProfileCentre& centre, double tolerance,
+                                       int steps);
 
 }  // namespace frac::detail

@@ -15,33 +15,13 @@
 #include "frac/identification/statistics.hpp"
 #include "frac/parallel_for.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/residuals/frequency_problem.hpp"
+#include "identification/residuals/time_problem.hpp"
 #include "profile.hpp"
 
 namespace frac {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Options of a refit that starts where another fit ended.
-template <class Options>
-Options warm(const Options& options, const Structure& structure, const std::vector<ParameterEstimate>& from) {
-  Options result = options;
-  result.global_start = false;
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    const ParameterEstimate& estimate = from[i];
-    if (estimate.fixed) continue;
-    const auto known =
-        std::find_if(result.constraints.begin(), result.constraints.end(),
-                     [&](const ParameterConstraint& constraint) { return constraint.name == estimate.name; });
-    if (known == result.constraints.end()) {
-      result.constraints.push_back({estimate.name, {}, {}, {}, estimate.value});
-    } else {
-      known->start = std::clamp(estimate.value, known->lower.value_or(-infinity), known->upper.value_or(infinity));
-    }
-  }
-  return result;
-}
 
 const ParameterEstimate& estimate_of(const FitResult& result, std::string_view name) {
   const auto found = std::find_if(result.parameters.begin(), result.parameters.end(),
@@ -201,15 +181,15 @@ template <class Resampling, class Options>
 std::function<std::vector<double>(std::size_t)> refit_of(Resampling resampling, const Options& options,
                                                          const FitResult& result) {
   const Structure structure(result.model);
-  return [resampling = std::move(resampling), structure,
-          refit = warm(options, structure, result.parameters)](std::size_t sample) {
-    std::seed_seq seed{refit.seed, static_cast<std::uint64_t>(sample)};
-    std::mt19937_64 generator(seed);
-    std::vector<double> values;
-    for (const auto& parameter : detail::curvature_fit(resampling.draw(generator), structure, refit).parameters)
-      values.push_back(parameter.value);
-    return values;
-  };
+  return
+      [resampling = std::move(resampling), structure, refit = detail::started_at(options, result)](std::size_t sample) {
+        std::seed_seq seed{refit.seed, static_cast<std::uint64_t>(sample)};
+        std::mt19937_64 generator(seed);
+        std::vector<double> values;
+        for (const auto& parameter : detail::curvature_fit(resampling.draw(generator), structure, refit).parameters)
+          values.push_back(parameter.value);
+        return values;
+      };
 }
 
 void check_samples(std::size_t samples) {
@@ -226,69 +206,50 @@ std::vector<BootstrapInterval> bootstrap_of(const BootstrapRefits& refits, std::
   return bootstrap_intervals(values);
 }
 
+/// The interval of an estimate, as the problem whose solution the result is has it.
+ProfileInterval interval_in(detail::Problem& problem, Loss loss, const FitResult& result,
+                            const ParameterEstimate& estimate) {
+  detail::Residuals& residuals = problem.residuals();
+  if (result.loss_unit > 0) residuals.set_priors(problem.priors, std::sqrt(result.loss_unit) / problem.unit);
+  detail::LocalOptions local;
+  if (std::isfinite(result.loss_scale)) {
+    local.loss = loss;
+    local.loss_scale = result.loss_scale / problem.unit;
+  }
+  residuals.set_loss(local.loss, local.loss_scale);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < problem.structure.parameter_names().size(); ++i)
+    values.push_back(result.parameters[i].value);
+  const detail::LocalSolution solution = detail::solution_at(residuals, problem.map.to_theta(values), local);
+  const detail::Confidence found = confidence(residuals, solution, local);
+  const auto& names = problem.structure.parameter_names();
+  const auto place = std::find(names.begin(), names.end(), estimate.name);
+  const detail::ProfileCentre centre =
+      place != names.end() ? profile_centre(problem, solution, found, static_cast<std::size_t>(place - names.begin()))
+                           : detail::ProfileCentre{estimate.name, estimate.value,
+                                                   estimate.standard_error / estimate.widening, estimate.widening};
+  const detail::ProfileEnds ends =
+      profile_ends(problem, solution, local, found, centre, profile_tolerance, profile_steps);
+  return {ends.lower, ends.upper, ends.below_minimum};
+}
+
 }  // namespace
 
 ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
-  profiled(result, parameter);
+  const ParameterEstimate& estimate = profiled(result, parameter);
   const Structure structure(result.model);
   const FitOptions known = detail::settled(options, result);
   detail::FrequencyProblem problem(data, structure, known);
-  if (result.loss_unit > 0)
-    problem.residuals.set_priors(problem.priors, std::sqrt(result.loss_unit) / problem.rule.unit);
-  detail::LocalOptions local;
-  if (std::isfinite(result.loss_scale)) {
-    local.loss = options.loss;
-    local.loss_scale = result.loss_scale / problem.rule.unit;
-  }
-  std::vector<double> values;
-  for (const ParameterEstimate& each : result.parameters) values.push_back(each.value);
-  const detail::LocalSolution solution = detail::solution_at(problem.residuals, problem.map.to_theta(values), local);
-  const detail::Confidence found = confidence(problem.residuals, solution, local);
-  const detail::ProfileEnds ends = profile_ends(problem, solution, local, found, structure.parameter_index(parameter),
-                                                profile_tolerance, profile_steps);
-  return {ends.lower, ends.upper, ends.below_minimum};
+  return interval_in(problem, options.loss, result, estimate);
 }
 
 ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
   const ParameterEstimate& estimate = profiled(result, parameter);
   const Structure structure(result.model);
-  TimeFitOptions held = options;
-  if (std::isfinite(result.loss_scale)) held.loss_scale = result.loss_scale;
-  detail::ProfileLine line{estimate.value, 0, -infinity, infinity, false};
-  for (const ParameterConstraint& constraint : options.constraints) {
-    if (constraint.name != parameter) continue;
-    line.lower = constraint.lower.value_or(line.lower);
-    line.upper = constraint.upper.value_or(line.upper);
-  }
-  if (parameter != detail::offset_name) {
-    const ParameterRole role = structure.parameter_roles()[structure.parameter_index(parameter)];
-    line.logarithmic = role == ParameterRole::coefficient && line.lower == -infinity && estimate.value > 0;
-  }
-  const double t = estimate.widening * student_t_95(static_cast<double>(result.residuals - result.free_parameters));
-  const double error = estimate.standard_error > 0 ? estimate.standard_error : 0.01 * std::abs(estimate.value) + 1e-300;
-  line.step = t / estimate.widening * (line.logarithmic ? error / estimate.value : error);
-  if (line.logarithmic) {
-    line.centre = std::log(estimate.value);
-    line.upper = std::log(line.upper);
-  }
-  ProfileInterval interval{-infinity, infinity, false};
-  for (const int side : {-1, 1}) {
-    FitResult last = result;
-    const auto rise = [&](double coordinate) {
-      TimeFitOptions refit_options = warm(held, structure, last.parameters);
-      detail::hold(refit_options, parameter, line.logarithmic ? std::exp(coordinate) : coordinate);
-      const FitResult refit = fit(data, structure, refit_options);
-      if (!std::isfinite(refit.loss_cost)) return infinity;
-      if (refit.loss_cost <= result.loss_cost + t * t * result.loss_unit) last = refit;
-      interval.better_minimum_found = interval.better_minimum_found || refit.loss_cost < result.loss_cost * (1 - 1e-6);
-      return std::sqrt(std::max(0.0, refit.loss_cost - result.loss_cost) / result.loss_unit);
-    };
-    const double end = detail::profile_end(rise, line, side, t, profile_tolerance, profile_steps);
-    (side < 0 ? interval.lower : interval.upper) = line.logarithmic && std::isfinite(end) ? std::exp(end) : end;
-  }
-  return interval;
+  detail::TimeProblem problem(data, structure, detail::settled(options, result));
+  return interval_in(problem, options.loss, result, estimate);
 }
 
 BootstrapRefits::BootstrapRefits(const FrequencyResponseData& data, const FitOptions& options,

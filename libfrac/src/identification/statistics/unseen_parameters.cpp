@@ -89,7 +89,7 @@ void carry_errors(FitResult& result, const FitResult& recovered, const std::vect
 
 }  // namespace
 
-void recover_unseen(FitResult& result, const Confidence& found, const FrequencyProblem& problem, double cost,
+void recover_unseen(FitResult& result, const Confidence& found, FrequencyProblem& problem, double cost,
                     const std::function<FitResult(const FitOptions&)>& fit_rest) {
   const FitOptions& options = problem.options;
   if (options.component != Component::imaginary && options.component != Component::real) return;
@@ -113,7 +113,8 @@ void recover_unseen(FitResult& result, const Confidence& found, const FrequencyP
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
-  if (!(problem.residuals.cost(problem.map.to_theta(values)) <= cost * (1 + 1e-6) + problem.residuals.rounding_cost()))
+  if (!(problem.residuals().cost(problem.map.to_theta(values)) <=
+        cost * (1 + 1e-6) + problem.residuals().rounding_cost()))
     return;
   std::vector<bool> moves(result.parameters.size(), false);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {

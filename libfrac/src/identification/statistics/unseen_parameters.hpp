@@ -13,7 +13,7 @@ namespace frac::detail {
 /// @param found     of the fit that `result` describes
 /// @param cost      of that fit
 /// @param fit_rest  the fit to the other component
-void recover_unseen(FitResult& result, const Confidence& found, const FrequencyProblem& problem, double cost,
+void recover_unseen(FitResult& result, const Confidence& found, FrequencyProblem& problem, double cost,
                     const std::function<FitResult(const FitOptions&)>& fit_rest);
 
 }  // namespace frac::detail

@@ -15,29 +15,16 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The options of a fit that starts where the competitor's ended; empty where an estimate is not finite.
+/// The options of a fit that starts where the competitor's ended, with what ended at a limit held there; empty where an
+/// estimate is not finite.
 template <class Options>
-std::optional<Options> started_at(const Options& options, const Competitor& competitor, const Structure& structure) {
-  const FitResult& whole = competitor.ranked.fit;
-  Options warm = options;
-  warm.global_start = false;
-  warm.constraints.clear();
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    const ParameterEstimate& estimate = whole.parameters[i];
+std::optional<Options> refit_options(Options options, const Competitor& competitor) {
+  options.constraints = competitor.ranked.model.constraints;
+  for (const ParameterEstimate& estimate : competitor.ranked.fit.parameters) {
     if (!std::isfinite(estimate.value)) return std::nullopt;
-    ParameterConstraint constraint{estimate.name, {}, {}, {}, {}};
-    for (const ParameterConstraint& own : competitor.ranked.model.constraints) {
-      if (own.name == estimate.name) constraint = own;
-    }
-    if (estimate.fixed || estimate.at_bound) {
-      constraint = {estimate.name, estimate.value, {}, {}, {}};
-    } else {
-      constraint.start =
-          std::clamp(estimate.value, constraint.lower.value_or(-infinity), constraint.upper.value_or(infinity));
-    }
-    warm.constraints.push_back(std::move(constraint));
+    if (estimate.at_bound) hold(options, estimate.name, estimate.value);
   }
-  return warm;
+  return started_at(std::move(options), competitor.ranked.fit);
 }
 
 template <class Data, class Options>
@@ -56,11 +43,11 @@ double rms_of_predictions(const Data& data, const Options& options, const Compet
     return std::sqrt(square / count);
   }
   const Structure structure(competitor.ranked.fit.model);
-  const auto warm = started_at(options, competitor, structure);
-  if (!warm) return infinity;
+  const auto started = refit_options(options, competitor);
+  if (!started) return infinity;
   for (const Block& block : blocks) {
     try {
-      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *warm);
+      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *started);
       if (fit.termination == FitTermination::no_usable_start) return infinity;
       add(weighted_residuals(data, options, fit), block);
     } catch (const std::invalid_argument&) {

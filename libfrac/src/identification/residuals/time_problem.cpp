@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "identification/data/fit_data.hpp"
+
+namespace frac::detail {
+namespace {
+
+double root_mean_square(const std::vector<double>& values, double base) {
+  double sum = 0;
+  for (const double value : values) sum += (value - base) * (value - base);
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// Gains about what the spread of the output is to the input, frequencies from a third of the record's inverse to three
+/// times the sampling rate.
+DataScale data_scale(const TimeResponseData& data, std::optional<double> offset) {
+  const std::vector<double> output = observed_output(data);
+  const double mean = std::accumulate(output.begin(), output.end(), 0.0) / static_cast<double>(output.size());
+  const double spread = root_mean_square(output, offset.value_or(mean));
+  const double gain = spread > 0 ? spread / root_mean_square(data.input(), data.input_at_rest()) : 1;
+  constexpr double margin = 3;
+  const double slow = 1 / length_of(data);
+  double shortest_step = length_of(data);
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    shortest_step = std::min(shortest_step, data.time()[i] - data.time()[i - 1]);
+  }
+  const double fast = 1 / shortest_step;
+  return {gain, gain / 30, gain * 30, std::sqrt(slow * fast), slow / margin, fast * margin};
+}
+
+std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
+                                                   std::vector<ParameterConstraint> constraints, double length) {
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
+    const std::string& name = structure.parameter_names()[i];
+    const auto given = std::find_if(constraints.begin(), constraints.end(),
+                                    [&](const ParameterConstraint& each) { return each.name == name; });
+    if (given == constraints.end()) {
+      constraints.push_back({name, {}, {}, length, {}});
+    } else if (!given->fixed && !given->upper) {
+      given->upper = std::max(length, 2 * given->start.value_or(0));
+    }
+  }
+  return constraints;
+}
+
+/// Standard deviation of the weighted output: the unit of the residuals the solvers see.
+double unit_of(const TimeResponseData& data, std::optional<double> offset) {
+  double weights = 0, mean = 0;
+  const auto weight = [&](std::size_t i) { return data.sigma().empty() ? 1 : 1 / data.sigma()[i]; };
+  for (const std::size_t i : data.observed()) {
+    weights += weight(i) * weight(i);
+    mean += weight(i) * weight(i) * data.output()[i];
+  }
+  mean = offset.value_or(mean / weights);
+  double sum = 0;
+  for (const std::size_t i : data.observed()) sum += std::pow(weight(i) * (data.output()[i] - mean), 2);
+  const double unit = std::sqrt(sum / static_cast<double>(data.observed().size()));
+  return unit > 0 ? unit : 1;
+}
+
+}  // namespace
+
+double length_of(const TimeResponseData& data) {
+  return data.time().back() - data.time().front();
+}
+
+std::vector<double> observed_output(const TimeResponseData& data) {
+  std::vector<double> output;
+  for (const std::size_t i : data.observed()) output.push_back(data.output()[i]);
+  return output;
+}
+
+TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted)
+    : Problem(model, with_delay_limits(model, wanted.constraints, length_of(given)), data_scale(given, wanted.offset),
+              false),
+      data(given),
+      options(wanted) {
+  unit = unit_of(given, wanted.offset);
+}
+
+TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted,
+                         ByParameters by)
+    : Problem(model, by), data(given), options(wanted) {
+  unit = unit_of(given, wanted.offset);
+}
+
+TimeProblem::TimeProblem(const TimeProblem& like, TimeFitOptions known, std::vector<ParameterConstraint> of_parameters)
+    : Problem(like.structure, std::move(of_parameters), like.map.scale(), false),
+      data(like.data),
+      options(std::move(known)) {
+  unit = like.unit;
+}
+
+TimeResiduals& TimeProblem::residuals() {
+  if (!residuals_)
+    residuals_.emplace(data, structure, map, Background{options.offset, options.trend, options.earlier_input},
+                       data.observed(), finest_simulation, unit, priors);
+  return *residuals_;
+}
+
+TimeResiduals TimeProblem::residuals_at(std::vector<std::size_t> index, double tolerance) const {
+  return {data,      structure, map,   {options.offset, options.trend, options.earlier_input}, std::move(index),
+          tolerance, unit,      priors};
+}
+
+std::unique_ptr<TimeProblem> TimeProblem::with_offset(double offset) const {
+  TimeFitOptions known = options;
+  known.offset = offset;
+  return std::unique_ptr<TimeProblem>(new TimeProblem(*this, std::move(known), constraints));
+}
+
+std::unique_ptr<Problem> TimeProblem::held(std::string_view parameter, double value) const {
+  if (parameter == offset_name) return with_offset(value);
+  std::vector<ParameterConstraint> known = constraints;
+  hold(known, parameter, value);
+  return std::unique_ptr<Problem>(new TimeProblem(*this, options, std::move(known)));
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Joint fits of records over time, and of these with frequency responses.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "frac/identification/joint_fit.hpp"
+#include "frac/model/frequency_response_data.hpp"
+#include "support/exact_output.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/noisy_response.hpp"
+
+namespace {
+
+using namespace frac;
+
+constexpr const char* lag = "K/(1 + (T s)^a)";
+
+JointFitOptions sharing(std::vector<std::string> names) {
+  JointFitOptions options;
+  options.shared = std::move(names);
+  return options;
+}
+
+/// offset + K u of an input that rises in even steps, with noise.
+TimeResponseData amplified(double gain, double offset, double deviation, std::size_t samples,
+                           std::mt19937_64& generator) {
+  std::normal_distribution<double> noise(0, deviation);
+  std::vector<double> time, input, output;
+  for (std::size_t i = 0; i < samples; ++i) {
+    time.push_back(0.5 * static_cast<double>(i));
+    input.push_back(1 + 0.25 * static_cast<double>(i));
+    output.push_back(offset + gain * input.back() + noise(generator));
+  }
+  return {time, input, output};
+}
+
+/// Response of K/(1 + (T s)^a) to an input that goes up and down, exact, and noise.
+TimeResponseData record_of(double gain, double time_constant, double order, double deviation,
+                           std::mt19937_64& generator) {
+  std::normal_distribution<double> noise(0, deviation);
+  std::vector<double> time, input;
+  for (int i = 0; i < 60; ++i) {
+    time.push_back(0.1 * i);
+    input.push_back(i < 30 ? 1 : -0.5);
+  }
+  const FractionalTransferFunction model({{gain, 0}}, {{1, 0}, {std::pow(time_constant, order), order}});
+  std::vector<double> output = support::exact_output(model, time, input, Hold::zero_order);
+  for (double& each : output) each += noise(generator);
+  return {time, input, output};
+}
+
+// Lines y = c + K u of one slope and different c: the slope of all is the mean of their slopes by their precision, the
+// noise of each and the degrees of freedom left by the slope and every c.
+TEST(JointRecords, MeetTheClosedFormOfLinesOfOneSlope) {
+  std::mt19937_64 generator(1);
+  std::vector<JointCurve> curves;
+  for (const std::size_t samples : {20U, 30U, 40U})
+    curves.push_back(
+        {"of " + std::to_string(samples),
+         amplified(2, static_cast<double>(samples), 0.01 * static_cast<double>(samples), samples, generator)});
+  const JointFitResult result = joint_fit(curves, Structure("K"), sharing({"K"}));
+  ASSERT_TRUE(result.usable()) << result.message;
+  EXPECT_EQ(result.residuals, 90U);
+  EXPECT_EQ(result.free_parameters, 4U);
+  double weighted = 0, precision = 0;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const TimeResponseData& data = *curves[c].record();
+    double middle = 0, square = 0, product = 0;
+    for (const double u : data.input()) middle += u / static_cast<double>(data.size());
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      square += std::pow(data.input()[i] - middle, 2);
+      product += (data.input()[i] - middle) * data.output()[i];
+    }
+    const double variance = std::pow(result.curves[c].noise, 2);
+    weighted += product / variance;
+    precision += square / variance;
+  }
+  EXPECT_NEAR(result.shared[0].value, weighted / precision, 1e-10);  // of a linear problem, to rounding
+  const double scale = result.cost / (90 - 4);
+  EXPECT_NEAR(result.shared[0].standard_error / result.shared[0].widening, std::sqrt(scale / precision),
+              1e-8 * std::sqrt(scale / precision));
+}
+
+TEST(JointRecords, RecoverWhatMadeAnExactSpectrumAndAnExactRecord) {
+  std::mt19937_64 generator(2);
+  const std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {3, 0.7, 0.8}, 0, generator, 30)},
+                                       {"record", record_of(2, 0.7, 0.8, 0, generator)}};
+  const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+  ASSERT_TRUE(result.usable()) << result.message;
+  // Records are exact and simulated to 1e-13 of their size; searches end where the cost is rounding.
+  EXPECT_NEAR(result.shared[0].value, 0.7, 1e-7);
+  EXPECT_NEAR(result.shared[1].value, 0.8, 1e-7);
+  EXPECT_NEAR(result.curves[0].parameters[0].value, 3, 1e-6);
+  EXPECT_NEAR(result.curves[1].parameters[0].value, 2, 1e-6);
+}
+
+// What a spectrum and a record know of common parameters adds up: the inverse covariances of their fits alone, and the
+// estimates by them.  Noise so small that all is linear.
+TEST(JointRecords, ASpectrumAndARecordTellTogetherWhatTheyTellAlone) {
+  std::mt19937_64 generator(3);
+  std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {2, 0.7, 0.8}, 0.002, generator, 40)},
+                                 {"record", record_of(2, 0.7, 0.8, 0.004, generator)}};
+  JointFitOptions options = sharing({"K", "T", "a"});
+  options.fit.weight = Weight::relative;
+  options.over_time.offset = 0;
+  const JointFitResult joint = joint_fit(curves, Structure(lag), options);
+  ASSERT_TRUE(joint.usable()) << joint.message;
+  TimeFitOptions over_time;
+  over_time.offset = 0;
+  const FitResult of_spectrum = fit(*curves[0].response(), Structure(lag), options.fit);
+  const FitResult of_record = fit(*curves[1].record(), Structure(lag), over_time);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
+  for (const FitResult* alone : {&of_spectrum, &of_record}) {
+    Eigen::Matrix3d covariance;
+    Eigen::Vector3d value;
+    for (int i = 0; i < 3; ++i) {
+      const auto& row = alone->parameters[static_cast<std::size_t>(i)];
+      value[i] = row.value;
+      for (int k = 0; k < 3; ++k) {
+        const double widening = row.widening * alone->parameters[static_cast<std::size_t>(k)].widening;
+        covariance(i, k) = alone->covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] / widening;
+      }
+    }
+    information += covariance.inverse();
+    weighted += covariance.inverse() * value;
+  }
+  const Eigen::Matrix3d covariance = information.inverse();
+  const Eigen::Vector3d value = covariance * weighted;
+  for (int i = 0; i < 3; ++i) {
+    const ParameterEstimate& each = joint.shared[static_cast<std::size_t>(i)];
+    const double error = std::sqrt(covariance(i, i));
+    // Noise levels are those of the fits alone; the joint fit moves by a second-order term of .1 % of its error, and
+    // takes one scale for both, which chance moves by 1/sqrt(2 x 130) = 6 %.
+    EXPECT_NEAR(each.value, value[i], 0.02 * error) << each.name;
+    EXPECT_NEAR(each.standard_error / each.widening, error, 0.2 * error) << each.name;
+  }
+}
+
+TEST(JointRecords, IntervalsCoverTheTruth) {
+  constexpr int seeds = 60;
+  int covered = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    std::mt19937_64 generator(static_cast<std::uint64_t>(seed) + 400);
+    const std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {2, 0.7, 0.8}, 0.02, generator, 25)},
+                                         {"record", record_of(1, 0.7, 0.8, 0.02, generator)}};
+    const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+    ASSERT_TRUE(result.usable()) << result.message;
+    for (const ParameterEstimate& each : result.shared) {
+      const double truth = each.name == "T" ? 0.7 : 0.8;
+      covered += each.ci95_lower <= truth && truth <= each.ci95_upper ? 1 : 0;
+    }
+  }
+  // 95 % of 120, give or take four standard deviations of pairs that always agree: 4 sqrt(.05 .95 60) 2.
+  EXPECT_NEAR(covered, 114, 14);
+}
+
+TEST(JointRecords, AreRefusedWhereTheyMeanNothing) {
+  std::mt19937_64 generator(4);
+  const std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {3, 0.7, 0.8}, 0, generator, 30)},
+                                       {"record", record_of(2, 0.7, 0.8, 0, generator)}};
+  JointFitOptions shifted = sharing({"K", "T", "a"});
+  shifted.shift = CurveShift{};
+  support::expect_invalid_argument([&] { static_cast<void>(joint_fit(curves, Structure(lag), shifted)); },
+                                   {"'record'", "over time"});
+  JointFitOptions weighed = sharing({"K", "T", "a"});
+  weighed.fit.weight = Weight::given;
+  const std::vector<JointCurve> records{curves[1], curves[1]};
+  support::expect_invalid_argument([&] { static_cast<void>(joint_fit(records, Structure(lag), weighed)); },
+                                   {"'record'", "sigma"});
+}
+
+}  // namespace
