@@ -160,6 +160,22 @@ TEST(JointRecords, IntervalsCoverTheTruth) {
   EXPECT_NEAR(covered, 114, 14);
 }
 
+// An exact spectrum knows the parameters, so that a record which shares them may be doubted by chance alone: the F test
+// is then that of the record with its parameters known.
+TEST(JointRecords, AnExactSpectrumMakesNoDoubtOfARecord) {
+  constexpr int seeds = 100;
+  int doubted = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    std::mt19937_64 generator(static_cast<std::uint64_t>(seed) + 900);
+    const std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {2, 0.7, 0.8}, 0, generator, 30)},
+                                         {"record", record_of(2, 0.7, 0.8, 0.02, generator)}};
+    const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"K", "T", "a"}));
+    ASSERT_TRUE(result.usable()) << result.message;
+    doubted += result.sharing_p_value < 0.05 ? 1 : 0;
+  }
+  EXPECT_NEAR(doubted, 5, 9);  // 5 %, give or take four standard deviations
+}
+
 TEST(JointRecords, AreRefusedWhereTheyMeanNothing) {
   std::mt19937_64 generator(4);
   const std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {3, 0.7, 0.8}, 0, generator, 30)},

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -329,6 +330,19 @@ TEST(Priors, OverTimeIntervalsCoverTruthsThatComeFromThem) {
   // 95 % and 1 % of 300, give or take four standard deviations.
   EXPECT_NEAR(covered, 285, 15);
   EXPECT_LE(contradicted, 10);
+}
+
+// Presets leave the sign of a gain open; a prior of its logarithm says that it is positive.
+TEST(Priors, OfALogarithmTellTheSignThatAModelLeavesOpen) {
+  std::mt19937_64 generator(10);
+  FitOptions options = plain();
+  ParameterConstraint open = prior_of("A", {2, 0.05, true});
+  open.lower = -std::numeric_limits<double>::infinity();
+  options.constraints = {open};
+  const FitResult result = fit(line(2, 1, generator), Structure("A + B s"), options);
+  ASSERT_TRUE(result.usable()) << result.message;
+  EXPECT_EQ(result.parameters[0].lower_limit, 0);
+  EXPECT_NEAR(result.parameters[0].value, 2, 4 * 0.1 / std::sqrt(20.0));  // four standard errors of the data
 }
 
 TEST(Priors, AreRefusedWhereTheyMeanNothing) {

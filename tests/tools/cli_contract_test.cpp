@@ -377,7 +377,7 @@ TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
                                   " --models power-law,gain --component both --weight learned --loss none "
                                   "--realisation exact --seed 1 --outliers leave-out");
   const auto csv = successful({"identify", data, "--models", "power-law,gain", "--format", "csv"});
-  EXPECT_EQ(entry_of(csv, "command"), first["command"]);
+  EXPECT_EQ(first["command"], entry_of(csv, "command"));
   EXPECT_EQ(rows_of(csv).size(), 2U);
 }
 

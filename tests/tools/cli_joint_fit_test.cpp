@@ -342,4 +342,61 @@ TEST(CliJointFit, WrongUsageIsNamed) {
   EXPECT_EQ(data.joint({data.folder.path("none.csv")}, {"--shared", "a"}).code, 3);
 }
 
+/// A spectrum of K/(T s + 1) with K = 3, T = 0.5, and a record of its step response with K = 2 beside an offset of 1.
+struct SpectrumAndRecord {
+  TemporaryFolder folder;
+  std::string spectrum, record;
+  SpectrumAndRecord() {
+    std::ostringstream response, samples;
+    response.precision(17);
+    samples.precision(17);
+    response << "omega_rad_s,re,im\n";
+    samples << "time_s,input,output\n";
+    for (int i = 0; i <= 20; ++i) {
+      const double omega = std::pow(10.0, -1 + i / 10.0);
+      const std::complex<double> value = 3.0 / std::complex<double>(1, 0.5 * omega);
+      response << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    for (int i = 0; i <= 40; ++i) samples << 0.1 * i << ",1," << 1 + 2 * (1 - std::exp(-0.1 * i / 0.5)) << '\n';
+    spectrum = folder.write("spectrum.csv", response.str());
+    record = folder.write("record.csv", samples.str());
+  }
+};
+
+TEST(JointFitCommand, FitsARecordTogetherWithASpectrum) {
+  const SpectrumAndRecord data;
+  const std::vector<std::string> model{"--model", "K/(T s + 1)", "--each", "K"};
+  const auto joint = [&](std::vector<std::string> arguments, const std::vector<std::string>& more = {}) {
+    arguments.insert(arguments.begin(), "joint-fit");
+    arguments.insert(arguments.end(), model.begin(), model.end());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_fracfit(arguments);
+  };
+  const auto result = joint({data.record, data.spectrum});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  EXPECT_NEAR(json["shared"][0]["value"].get<double>(), 0.5, 1e-7);
+  ASSERT_EQ(json["curves"].size(), 2U);
+  EXPECT_EQ(json["curves"][0]["name"], data.record);
+  EXPECT_EQ(json["curves"][0]["points"], 41);
+  EXPECT_NEAR(json["curves"][0]["parameters"][0]["value"].get<double>(), 2, 1e-7);
+  EXPECT_NEAR(json["curves"][1]["parameters"][0]["value"].get<double>(), 3, 1e-7);
+  EXPECT_EQ(json["options"]["offset"], "free");
+
+  const auto table = joint({data.record, data.spectrum}, {"--format", "table"});
+  EXPECT_NE(table.output.find("1, 0.1 .. 10 rad/s; 1 over time, up to 4 s"), std::string::npos) << table.output;
+
+  // Options of one kind of data alone are refused where all are of the other.
+  const auto records = joint({data.record, data.record}, {"--component", "both"});
+  EXPECT_EQ(records.code, 2);
+  EXPECT_NE(records.error.find("--component"), std::string::npos) << records.error;
+  const auto responses = joint({data.spectrum, data.spectrum}, {"--trend"});
+  EXPECT_EQ(responses.code, 2);
+  EXPECT_NE(responses.error.find("--trend"), std::string::npos) << responses.error;
+  const auto shifted =
+      run_fracfit({"joint-fit", data.record, data.spectrum, "--model", "K/(T s + 1)", "--shift", "horizontal"});
+  EXPECT_EQ(shifted.code, 2);
+  EXPECT_NE(shifted.error.find("over time"), std::string::npos) << shifted.error;
+}
+
 }  // namespace

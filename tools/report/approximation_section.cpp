@@ -251,11 +251,11 @@ Table realisation_table(const frac::FrequencyResponseData& data, int threads) {
   });
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const frac::FitResult& fit = *fits[i];
-    const auto* order = find_parameter(fit, "a");
+    const auto* exponent = find_parameter(fit, "a");
     const auto* coefficient = find_parameter(fit, "K");
-    std::string note = remark(*order);
+    std::string note = remark(*exponent);
     if (fit.termination != frac::FitTermination::converged) note += (note.empty() ? "" : "; ") + fit.message;
-    table.rows.push_back({realisations[i].first, order->value, coefficient->value, fit.rms, note});
+    table.rows.push_back({realisations[i].first, exponent->value, coefficient->value, fit.rms, note});
   }
   return table;
 }

@@ -62,7 +62,11 @@ JumpFrequency two_impact_loss(double restitution) {
 }
 
 JumpFrequency symmetry_loss(double restitution) {
-  if (restitution == 0) return {std::nullopt, std::string(sticks) + ", and the motion stays symmetric"};
+  if (restitution == 0) {
+    std::string message(sticks);
+    message += ", and the motion stays symmetric";
+    return {std::nullopt, std::move(message)};
+  }
   const detail::SymmetryLoss loss = detail::symmetry_loss(restitution);
   const char* message =
       loss.grazing ? "the symmetric two-impact orbit grazes a wall before its symmetry would break: an extra impact"

@@ -77,6 +77,7 @@ class JointFit : public Command {
     o.texts("--derive", derive_);
     add_common({"json", "csv", "table"});
     set_footer(
+        "Records over time (columns time_s,input,output) and frequency responses may stand side by side.\n"
         "Several curves in one file stand in columns re_<label>,im_<label> or in rows told apart by --by, as in "
         "batch.\n"
         "--fix, --bound, --start and --prior hold in every curve; but for --fix they take parameters of a law too.\n"
@@ -86,6 +87,7 @@ class JointFit : public Command {
         "told to.\n"
         "Examples:\n"
         "  fracfit joint-fit cold.csv warm.csv hot.csv --model 'K/(T s^a + 1)' --shared K,a\n"
+        "  fracfit joint-fit step.csv spectrum.csv --model 'K/(T s^a + 1)' --shared K,T,a\n"
         "  fracfit joint-fit all.csv --by force_n --model power-law --each K --out joint.json\n"
         "  fracfit joint-fit all.csv --by force_n --model power-law --shared a --law 'K = K0 force_n^p'\n"
         "  fracfit joint-fit 20C.csv 40C.csv 60C.csv --model fractional-zener --shift horizontal "
@@ -162,6 +164,20 @@ class JointFit : public Command {
     throw std::invalid_argument("--reference " + io::quoted(reference_) + " is no curve; there are " + names);
   }
 
+  /// Options that have a meaning with one kind of data are refused where there is none of it.
+  /// @param weight  that records were read with
+  void settle_kind(const JointRun& run, const std::string& weight, bool weight_is_for_records) {
+    const auto records =
+        std::count_if(run.curves.begin(), run.curves.end(), [](const auto& each) { return each.over_time; });
+    if (records == 0) options().settle(frequency_response);
+    if (records < static_cast<std::ptrdiff_t>(run.curves.size())) return;
+    options().settle(samples_over_time);
+    if (options()["--weight"].is_given() && !weight_is_for_records)
+      throw std::invalid_argument("--weight " + io::quoted(request_.weight) +
+                                  ": expected given or absolute with samples over time");
+    options()["--weight"].say(weight);
+  }
+
   int run() override {
     std::vector<frac::JointCurve> curves;
     JointRun run{
@@ -176,15 +192,9 @@ class JointFit : public Command {
       run.curves.push_back({points, added.record() != nullptr, std::move(header), added.covariates});
       return added;
     };
-    std::vector<std::string> responses;
     std::string weight_over_time;
     const bool is_for_records = request_.weight == "given" || request_.weight == "absolute";
-    const auto files = io::input_files(data_, writes_file() ? out() : "");
-    for (const auto& file : files) {
-      if (!io::holds_time_response(file, request_.how)) {
-        responses.push_back(file);
-        continue;
-      }
+    const auto add_record = [&](const std::string& file) {
       FitRequest request = request_;
       request.data = file;
       auto record = read_time_record(request, over_time_, options()["--weight"].is_given() && is_for_records, note);
@@ -193,21 +203,10 @@ class JointFit : public Command {
       run.longest = std::max(run.longest, time.back() - time.front());
       const std::size_t points = record.data.observed().size();
       static_cast<void>(add(file, std::move(record.data), points, std::move(record.header)));
-    }
-    if (responses.empty())
-      options().settle(samples_over_time);
-    else if (responses.size() == files.size())
-      options().settle(frequency_response);
-    if (responses.empty()) {
-      if (options()["--weight"].is_given() && !is_for_records)
-        throw std::invalid_argument("--weight " + io::quoted(request_.weight) +
-                                    ": expected given or absolute with samples over time");
-      options()["--weight"].say(weight_over_time);
-    }
-    for (const auto& curve : curves_of(responses, request_)) {
+    };
+    const auto add_response = [&](const BatchCurve& curve) {
       auto file = read_curve(request_, curve, note);
-      const bool first = run.upper == 0;
-      same_unit = same_unit && (first || file.value_unit == run.value_unit);
+      same_unit = same_unit && (run.upper == 0 || file.value_unit == run.value_unit);
       in_hertz = in_hertz && file.data.frequency_unit() == frac::FrequencyUnit::hertz;
       run.value_unit = file.value_unit;
       run.lower = std::min(run.lower, file.data.omega().front());
@@ -216,7 +215,15 @@ class JointFit : public Command {
       const frac::JointCurve& added = add(curve.name, std::move(file.data), points, std::move(file.metadata));
       settle_component(request_, options(), *added.response(),
                        [&](const std::string& text) { say(curve.name + ": " + text + " in all curves"); });
+    };
+    for (const auto& file : io::input_files(data_, writes_file() ? out() : "")) {
+      if (io::holds_time_response(file, request_.how)) {
+        add_record(file);
+        continue;
+      }
+      for (const auto& curve : curves_of({file}, request_)) add_response(curve);
     }
+    settle_kind(run, weight_over_time, is_for_records);
     fit_.fit.component = request_.component;
     if (!same_unit) run.value_unit.clear();
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;

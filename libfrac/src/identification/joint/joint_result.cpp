@@ -133,17 +133,22 @@ void describe_residuals(JointCurveResult& result, CurveResiduals& curve, const J
 /// @param cost_together  of the joint fit without priors
 double sharing_p_value(const JointFitResult& joint, double cost_together,
                        const std::vector<std::optional<FitResult>>& alone) {
-  double cost = 0, unit = 0, parameters = 0;
+  // Chance leaves so little of the noise to one curve of three degrees of freedom in a thousand, and to fewer of more:
+  // it is met to rounding, and tells nothing of the noise of others.
+  constexpr double met_to_rounding = 0.01;
+  double cost = 0, unit = 0, parameters = 0, degrees = 0;
   for (std::size_t c = 0; c < alone.size(); ++c) {
     if (!alone[c]) return nan;
     const double variance = joint.curves[c].noise * joint.curves[c].noise;
-    const double degrees = static_cast<double>(alone[c]->residuals) - static_cast<double>(alone[c]->free_parameters);
+    const double left = static_cast<double>(alone[c]->residuals) - static_cast<double>(alone[c]->free_parameters);
     cost += alone[c]->loss_cost / variance;
-    unit += degrees * alone[c]->loss_unit / variance;
+    if (!(alone[c]->loss_unit < met_to_rounding * variance)) {
+      unit += left * alone[c]->loss_unit / variance;
+      degrees += left;
+    }
     parameters += static_cast<double>(alone[c]->free_parameters);
   }
   const double saved = parameters - static_cast<double>(joint.free_parameters);
-  const double degrees = static_cast<double>(joint.residuals) - parameters;
   if (!(saved > 0) || !(degrees > 0) || !(unit > 0)) return nan;
   const double ratio = std::max(0.0, cost_together - cost) / saved / (unit / degrees);
   return fisher_f_above(ratio, saved, degrees);

@@ -109,12 +109,15 @@ void tighten(std::vector<ParameterConstraint>& of, const Structure& structure, c
   }
 }
 
+/// A deviation of the logarithm is one of a positive number.
+bool has_prior_of_logarithm(const ParameterConstraint& constraint) {
+  return constraint.prior && constraint.prior->relative;
+}
+
 /// Whether a coefficient is positive unless a lower limit is given.
 bool is_positive(const Structure& structure, std::size_t i, const ParameterConstraint& constraint, bool blind_to_sign) {
   if (structure.parameter_roles()[i] != ParameterRole::coefficient) return false;
-  // A deviation of the logarithm is one of a positive number.
-  const bool told_by_prior = constraint.prior && constraint.prior->relative;
-  return constraint.positive || told_by_prior || structure.parameter_keeps_sign()[i] ||
+  return constraint.positive || has_prior_of_logarithm(constraint) || structure.parameter_keeps_sign()[i] ||
          (blind_to_sign && !structure.parameter_in_sum()[i]);
 }
 
@@ -130,9 +133,11 @@ std::vector<ParameterConstraint> by_parameter(const Structure& structure,
     of[i] = constraint;
     of[i].positive = is_positive(structure, i, constraint, blind_to_sign);
     check(constraint, role, of[i].positive);
-    // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
-    if (of[i].positive && !structure.parameter_in_sum()[i] && blind_to_sign && constraint.lower == -infinity)
-      of[i].lower.reset();
+    // A magnitude is blind to the sign of an outer gain, and a prior of the logarithm knows it: positive, even where
+    // the model leaves it open.
+    const bool sign_is_known =
+        (blind_to_sign && !structure.parameter_in_sum()[i]) || has_prior_of_logarithm(constraint);
+    if (of[i].positive && sign_is_known && constraint.lower == -infinity) of[i].lower.reset();
   }
   for (std::size_t i = 0; i < of.size(); ++i)
     if (of[i].name.empty()) of[i].positive = is_positive(structure, i, of[i], blind_to_sign);
