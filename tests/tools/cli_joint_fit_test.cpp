@@ -345,7 +345,7 @@ TEST(CliJointFit, WrongUsageIsNamed) {
 /// A spectrum of K/(T s + 1) with K = 3, T = 0.5, and a record of its step response with K = 2 beside an offset of 1.
 struct SpectrumAndRecord {
   TemporaryFolder folder;
-  std::string spectrum, record;
+  std::string spectrum, record, other_spectrum, other_record;
   SpectrumAndRecord() {
     std::ostringstream response, samples;
     response.precision(17);
@@ -360,6 +360,8 @@ struct SpectrumAndRecord {
     for (int i = 0; i <= 40; ++i) samples << 0.1 * i << ",1," << 1 + 2 * (1 - std::exp(-0.1 * i / 0.5)) << '\n';
     spectrum = folder.write("spectrum.csv", response.str());
     record = folder.write("record.csv", samples.str());
+    other_spectrum = folder.write("other_spectrum.csv", response.str());
+    other_record = folder.write("other_record.csv", samples.str());
   }
 };
 
@@ -387,10 +389,10 @@ TEST(JointFitCommand, FitsARecordTogetherWithASpectrum) {
   EXPECT_NE(table.output.find("1, 0.1 .. 10 rad/s; 1 over time, up to 4 s"), std::string::npos) << table.output;
 
   // Options of one kind of data alone are refused where all are of the other.
-  const auto records = joint({data.record, data.record}, {"--component", "both"});
+  const auto records = joint({data.record, data.other_record}, {"--component", "both"});
   EXPECT_EQ(records.code, 2);
   EXPECT_NE(records.error.find("--component"), std::string::npos) << records.error;
-  const auto responses = joint({data.spectrum, data.spectrum}, {"--trend"});
+  const auto responses = joint({data.spectrum, data.other_spectrum}, {"--trend"});
   EXPECT_EQ(responses.code, 2);
   EXPECT_NE(responses.error.find("--trend"), std::string::npos) << responses.error;
   const auto shifted =
