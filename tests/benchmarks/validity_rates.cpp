@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How often `validate` is wrong: alarms on consistent data by model and noise, and detection of stated violations.
-// Prints two tables for tools/docs/validity_rates.md.  Arguments: [seeds]
-// [first seed] [impedances|resonances|further|violations].
+// Prints tables for tools/docs/validity_rates.md.  Arguments: [seeds]
+// [first seed] [impedances|resonances|further|violations|mains].
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdio>
@@ -91,10 +92,10 @@ void push_out(Sweep& sweep, std::size_t point, double deviations, Random& random
   sweep.exact[point] += std::polar(deviations * sweep.deviation[point], random.uniform(0, 6.2832));
 }
 
-void mains(Sweep& sweep, double deviations, Random& random) {
+void mains(Sweep& sweep, double deviations, Random& random, const std::vector<double>& harmonics = {1, 3}) {
   for (std::size_t i = 0; i < sweep.omega.size(); ++i) {
     const double multiple = sweep.omega[i] / (2 * 3.14159265358979 * 50);
-    for (const double harmonic : {1.0, 3.0})
+    for (const double harmonic : harmonics)
       if (std::abs(multiple / harmonic - 1) < 0.02) push_out(sweep, i, deviations, random);
   }
 }
@@ -216,6 +217,50 @@ void detections(int seeds, int first) {
   }
 }
 
+// What becomes of lines of the mains of each size, and what is taken for them where there are none.
+void lines_of_mains(int seeds, int first) {
+  const std::vector<std::pair<std::string, std::vector<double>>> lines{{"50 Hz", {1}}, {"50 and 150 Hz", {1, 3}}};
+  std::printf(
+      "| lines | deviations off | measurements | named | only outliers | invalid | undecided | valid | other mains "
+      "named "
+      "| best, poles |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [name, harmonics] : lines) {
+    for (const double deviations : {0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0}) {
+      if (deviations == 0 && harmonics.size() > 1) continue;
+      Counts counts;
+      int named = 0, other = 0, outliers = 0;
+      double best = 0;
+      for (int seed = first; seed < first + seeds; ++seed) {
+        Random random(static_cast<std::uint64_t>(seed) * 7000003 + 29);
+        const auto& model = support::impedance_models()[random.below(6)];
+        const double noise = std::vector{0.001, 0.003, 0.01}[random.below(3)];
+        // Forty points per decade from 0.01 Hz meet 50.1 and 149.6 Hz.
+        Sweep sweep = support::sweep(model, 40, NoiseKind::relative, noise, random);
+        std::vector<std::complex<double>> change = sweep.exact;
+        mains(sweep, deviations, random, harmonics);
+        for (std::size_t k = 0; k < change.size(); ++k) change[k] = sweep.exact[k] - change[k];
+        if (deviations > 0) best += best_power(sweep, change, sums_of_poles(sweep));
+        support::add_noise(sweep, random);
+        const frac::ValidationResult result = frac::validate(sweep.data());
+        counts.add(result);
+        const auto alarmed = [&](frac::ValidityTest test) {
+          return std::ranges::any_of(result.findings,
+                                     [&](const auto& each) { return each.test == test && each.alarm; });
+        };
+        const bool is_named = alarmed(frac::ValidityTest::mains_50);
+        named += is_named;
+        other += alarmed(frac::ValidityTest::mains_60);
+        outliers += !is_named && result.validity == Validity::suspect;
+      }
+      std::printf("| %s | %g | %d | %.1f %% | %.1f %% | %.1f %% | %.1f %% | %.1f %% | %.1f %% | %.0f %% |\n",
+                  deviations == 0 ? "none" : name.c_str(), deviations, counts.all, counts.percent(named),
+                  counts.percent(outliers), counts.percent(counts.invalid), counts.percent(counts.undecided),
+                  counts.percent(counts.valid), counts.percent(other), 100 * best / counts.all);
+      std::fflush(stdout);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -238,5 +283,9 @@ int main(int argc, char** argv) {
   if (only.empty() || only == "violations") {
     std::printf("\n## Detection\n\n");
     detections(seeds, first);
+  }
+  if (only.empty() || only == "mains") {
+    std::printf("\n## Lines of the mains\n\n");
+    lines_of_mains(seeds, first);
   }
 }

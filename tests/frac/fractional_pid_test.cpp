@@ -554,7 +554,10 @@ TEST(FractionalPid, SaysWhatIsWrongWithAConfiguration) {
   };
   expect_refusal([](auto& c) { c.gains.kp = nan; }, "kp = nan");
   expect_refusal([](auto& c) { c.gains.ki = infinity; }, "ki = inf");
-  expect_refusal([](auto& c) { c.gains.lambda = 0; }, "lambda = 0; allowed is above 0 and below 2");
+  expect_refusal([](auto& c) { c.gains.lambda = 0; }, "lambda = 0; allowed is 0.001 to 1.999");
+  // Told from a gain or a double integrator by no device.
+  expect_refusal([](auto& c) { c.gains.lambda = 1e-300; }, "lambda = 1e-300; allowed is 0.001 to 1.999");
+  expect_refusal([](auto& c) { c.gains.mu = 2 - 1e-12; }, "allowed is 0.001 to 1.999");
   expect_refusal([](auto& c) { c.gains.mu = 2; }, "mu = 2");
   expect_refusal([](auto& c) { c.sample_time = 0; }, "sample_time = 0 s");
   expect_refusal([](auto& c) { c.band = {}; }, "band = 0 to 0 rad/s");

@@ -112,4 +112,36 @@ TEST(Norms, OfAnOscillatorAtAnyDamping) {
   }
 }
 
+// G(s 2^k) has the peak gain of G at 2^-k of its frequency.  Orders are sixteenths and k a multiple of 16, so that the
+// coefficients are scaled without rounding, and both sides differ by the rounding of ln omega alone: 14 to 28 of 2^-53,
+// which over the distance of a pole from the axis, a hundredth here, and squared is 1e-23, beside that of the sums.
+TEST(Norms, PeakGainDoesNotDependOnWhereTheModelLies) {
+  Random random(390501);
+  int beyond = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const auto sixteenths = [&](std::size_t from, std::size_t to) {
+      return static_cast<double>(from + random.below(to - from)) / 16;
+    };
+    const double high = sixteenths(17, 31), low = high - sixteenths(1, 16);
+    const double lead = random.log_uniform(0.01, 10), b1 = random.uniform(0.3, 3), b2 = random.log_uniform(0.1, 3);
+    const double above = sixteenths(1, 16);
+    const auto at = [&](int k) {
+      return FractionalTransferFunction({{std::ldexp(lead, static_cast<int>(k * above)), above}, {1, 0}},
+                                        {{std::ldexp(b1, static_cast<int>(k * high)), high},
+                                         {std::ldexp(b2, static_cast<int>(k * low)), low},
+                                         {1, 0}});
+    };
+    const frac::PeakGain here = frac::h_infinity_norm(at(0));
+    const int k = 16 * (trial % 2 == 0 ? 1 : -1) * static_cast<int>(13 + random.below(16));
+    const frac::PeakGain there = frac::h_infinity_norm(at(k));
+    if (!std::isfinite(here.gain)) continue;
+    EXPECT_NEAR(there.gain / here.gain, 1, 1e-13) << at(0).formula() << ", k = " << k;
+    if (here.omega == 0 || !std::isfinite(here.omega)) continue;
+    // The place of a smooth maximum is known to the square root of rounding times its width, and to that of ln omega.
+    EXPECT_NEAR(std::log(there.omega / here.omega) + k * std::log(2.0), 0, 1e-6);
+    beyond += std::abs(std::log10(there.omega)) > 60;
+  }
+  EXPECT_GE(beyond, 15) << "peaks beyond 1e-60 or 1e60 rad/s are among them";
+}
+
 }  // namespace

@@ -15,6 +15,7 @@
 #include "frac/circuit.hpp"
 #include "frac/structure.hpp"
 #include "frac/time_response/respond.hpp"
+#include "support/random.hpp"
 #include "tools/temporary_folder.hpp"
 
 namespace {
@@ -268,6 +269,55 @@ TEST_F(Spice, TransferFunctionsHaveTheirCertifiedErrorOverFrequencyAndTime) {
     };
     expect_over_time(simulated(netlist, transfer_under_voltage(pulse.source()), transient(pulse), "v(out)"), expected,
                      pulse, time_bound(of_circuit, each.exact, circuit.max_relative_error, pulse));
+  }
+}
+
+// Random models of one to three terms with and without dead time.  The error that the netlist names is a bound: up to
+// both ends of the band, as the netlist names them in hertz, nothing is above it, not even by the rounding of its three
+// digits.
+TEST_F(Spice, TheErrorThatANetlistNamesIsABound) {
+  support::Random random(390101);
+  constexpr int models = 12;
+  for (int trial = 0; trial < models; ++trial) {
+    const int terms = 1 + trial % 3;
+    std::vector<frac::PowerTerm> below{{1, 0}};
+    for (int i = 0; i < terms; ++i) below.push_back({random.log_uniform(0.03, 30), random.uniform(0.1, 1.9)});
+    const std::vector<frac::PowerTerm> above{{random.log_uniform(0.03, 30), 0}};
+    const double delay = trial % 2 == 0 ? random.log_uniform(0.01, 1) : 0;
+    const frac::FractionalTransferFunction model(above, below, delay);
+    const frac::FrequencyBand own{1e-2, trial % 4 < 2 ? 1e2 : 1e3};
+    SCOPED_TRACE(model.formula());
+    const auto circuit = frac::transfer_circuit(model, own, trial % 3 == 0 ? 1e-2 : 1e-3);
+    const std::string netlist = frac::spice_netlist(circuit, {.name = "part", .comment = circuit.summary()});
+    const auto after = [&](const std::string& words, std::size_t from) {
+      const std::size_t at = netlist.find(words, from);
+      EXPECT_NE(at, std::string::npos) << netlist.substr(0, 300);
+      return at + words.size();
+    };
+    const std::size_t in_hertz = after("rad/s (", 0);
+    const double low = std::stod(netlist.substr(in_hertz));
+    const double high = std::stod(netlist.substr(after(" .. ", in_hertz)));
+    const double stated = std::stod(netlist.substr(after("largest relative error ", 0)));
+    EXPECT_LE(circuit.max_relative_error, stated);
+    // Six digits of hertz, within the band.
+    EXPECT_GE(2 * std::numbers::pi * low, own.lower);
+    EXPECT_LE(2 * std::numbers::pi * high, own.upper);
+    EXPECT_NEAR(2 * std::numbers::pi * low / own.lower, 1, 2e-5);
+    EXPECT_NEAR(2 * std::numbers::pi * high / own.upper, 1, 2e-5);
+    std::ostringstream sweep;
+    sweep.precision(17);
+    sweep << "ac dec 200 " << low << ' ' << high;
+    double worst = 0;
+    for (const auto& row : simulated(netlist, transfer_under_voltage("dc 0 ac 1"), sweep.str(), "v(out)")) {
+      const double omega = 2 * std::numbers::pi * row[0];
+      if (omega > own.upper) continue;
+      Complex sum = 0;
+      for (const frac::PowerTerm& term : below) sum += term.coefficient * std::pow(Complex(0, omega), term.order);
+      const Complex exact = above.front().coefficient * std::polar(1.0, -omega * delay) / sum;
+      worst = std::max(worst, std::abs(Complex(row[1], row[2]) / exact - 1.0));
+    }
+    EXPECT_LE(worst, stated);
+    EXPECT_GE(worst, 0.9 * circuit.max_relative_error) << "the bound is no loose one";
   }
 }
 

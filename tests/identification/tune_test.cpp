@@ -292,6 +292,15 @@ TEST(Tune, RefusesWhatMakesNoSense) {
   expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1, .max_sensitivity = 0.9}); },
                           {"max_sensitivity = 0.9"});
   expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.lambda = {1, 2}}); }, {"lambda = 1 to 2"});
+  // An order that turns the phase by less than a tenth of a degree is that of no device.
+  for (const double order : {1e-300, 9e-4, 1.9999})
+    for (const bool is_mu : {false, true}) {
+      frac::TuningOptions held;
+      (is_mu ? held.mu : held.lambda) = {order, order};
+      expect_invalid_argument(
+          [&] { (void)frac::tune(parsed("1/(s^1.5 + 1)"), {.crossover = 1, .phase_margin = 1}, held); },
+          {is_mu ? "mu = " : "lambda = ", "orders of 0.001 to 1.999"});
+    }
   expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.mu = {1, 1}}); }, {"mu = 1", "filter"});
   try {
     (void)frac::tune(parsed("5"), {.crossover = 1});

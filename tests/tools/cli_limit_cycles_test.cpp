@@ -117,6 +117,34 @@ TEST(LimitCyclesCommand, DrawsLoopsAndFamilies) {
   EXPECT_NE(script("none/cycles-nyquist.gp").find("C(jω)"), std::string::npos);
 }
 
+// Loops whose only roots are no motions, at any mass and for either body: nothing is written and then refused, and no
+// sentence is that of a function inside.
+TEST(LimitCyclesCommand, PicturesOfLoopsWithoutAMotionAreMadeOrToldOf) {
+  const TemporaryFolder folder;
+  for (const char* mass : {"1e4", "1e12", "1e-6"})
+    for (const char* body : {"x1", "x2"}) {
+      const bool is_driven = std::string(body) == "x2";
+      // With the driven body measured a heavy load holds the search for long.
+      if (is_driven && std::string(mass) == "1e12") continue;
+      SCOPED_TRACE(std::string(mass) + " kg, " + body);
+      const std::string pictures = folder.path(std::string(body) + mass);
+      const auto result = run_fracfit(
+          limit_cycles("1 + s^0.5", {"--mass1", mass, "--clearance", "1", "--restitution", "0.6", "--starts", "0",
+                                     "--body", body, "--format", "json", "--pictures", pictures}));
+      const auto json = nlohmann::json::parse(result.output);
+      EXPECT_NE(result.code, 2) << result.error;
+      EXPECT_EQ(result.error.find("omega ="), std::string::npos) << result.error;
+      EXPECT_EQ(result.error.find("cannot write"), std::string::npos) << result.error;
+      const bool has_picture = std::ifstream(pictures + "/cycles-nyquist.gp").good();
+      EXPECT_EQ(has_picture, !is_driven);
+      bool is_motion = false;
+      for (const auto& cycle : json["cycles"]) is_motion = is_motion || cycle["admissible"].get<bool>();
+      if (!has_picture && !is_motion) {
+        EXPECT_NE(result.error.find("no picture: no cycle is a motion"), std::string::npos) << result.error;
+      }
+    }
+}
+
 // Where "kp + s" ceases to have a cycle is tested with the library; here that the command says it.
 TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
   const std::vector<std::string> options{"--restitution", "0.6", "--over", "kp=5:20:4", "--format"};

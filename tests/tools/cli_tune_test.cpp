@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <complex>
 #include <deque>
@@ -54,6 +55,55 @@ TEST(CliTune, TunesFromARelayExperiment) {
   const double allowed = 55 - json["region"]["least_phase_margin_deg"].get<double>();
   EXPECT_NEAR(std::arg(-loop) * 180 / std::numbers::pi, 55, 2 * allowed);
   EXPECT_NEAR(std::abs(loop), 1, 0.02);  // the gain is known to about 1 %
+}
+
+// The reason for exit code 1 is no note that --quiet takes away.
+TEST(CliTune, SaysWhyThereIsNoAnswerEvenIfQuiet) {
+  const std::vector<std::string> asked{"tune",
+                                       "--model",
+                                       "exp(-2 s)/(s + 1)",
+                                       "--crossover",
+                                       "20",
+                                       "--phase-margin",
+                                       "60",
+                                       "--max-sensitivity",
+                                       "1.2",
+                                       "--format",
+                                       "json"};
+  const auto told = run_fracfit(asked);
+  std::vector<std::string> quietly = asked;
+  quietly.emplace_back("--quiet");
+  const auto quiet = run_fracfit(quietly);
+  EXPECT_EQ(told.code, 1);
+  EXPECT_EQ(quiet.code, 1);
+  EXPECT_EQ(quiet.output, told.output);
+  EXPECT_EQ(quiet.error, told.error);
+  EXPECT_NE(quiet.error.find("fracfit: No "), std::string::npos) << quiet.error;
+}
+
+TEST(CliTune, RefusesOrdersThatNoDeviceMeans) {
+  for (const char* order : {"1e-300", "0.0009", "1.9995", "0.5:2"}) {
+    const auto result = run_fracfit({"tune", "--model", "1/(s^1.5 + 1)", "--crossover", "1", "--phase-margin", "50",
+                                     std::string("--lambda=") + order, "--quiet"});
+    EXPECT_EQ(result.code, 2) << order;
+    EXPECT_TRUE(result.output.empty()) << order;
+    EXPECT_NE(result.error.find("--lambda"), std::string::npos) << result.error;
+    EXPECT_NE(result.error.find("0.001 to 1.999"), std::string::npos) << result.error;
+  }
+}
+
+// The search takes some seconds and ends soon after its time; nothing is written.
+TEST(CliTune, EndsWhenItsTimeIsOver) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = run_fracfit({"tune", "--model", "exp(-1 s)/(s^1.5 + 0.2 s^0.7 + 1)", "--minimise", "iae",
+                                   "--horizon", "1e4", "--max-sensitivity", "1.7", "--time-limit", "0.3"});
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(result.code, 1);
+  EXPECT_TRUE(result.output.empty());
+  EXPECT_NE(result.error.find("--time-limit 0.3: the time is over"), std::string::npos) << result.error;
+  // A hundred times the limit: the machine may be busy, and the search would take longer still there.
+  EXPECT_LT(seconds, 30);
+  EXPECT_EQ(run_fracfit({"mittag-leffler", "--alpha", "0.5", "--z", "-1", "--time-limit", "0"}).code, 2);
 }
 
 // A relay about a chain of five lags, which no plant that is fitted follows to within such noise.

@@ -15,7 +15,9 @@ namespace {
 
 /// What a bar at 5 of 10 writes to standard error within half a second, standard error being a terminal or a pipe.
 /// Empty optional: there are no pseudo-terminals here.
-std::optional<std::string> drawn(bool terminal, io::ProgressStyle style) {
+/// @param total  0: nothing is counted
+std::optional<std::string> drawn(bool terminal, io::ProgressStyle style, std::size_t total = 10,
+                                 std::chrono::milliseconds wait = std::chrono::milliseconds(500)) {
   std::array<int, 2> ends{};
   if (terminal && ::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr) != 0) return std::nullopt;
   if (!terminal && ::pipe(ends.data()) != 0) return std::nullopt;
@@ -23,10 +25,10 @@ std::optional<std::string> drawn(bool terminal, io::ProgressStyle style) {
   ::dup2(ends[1], STDERR_FILENO);
   {
     frac::Progress progress;
-    progress.total = 10;
+    progress.total = total;
     progress.done = 5;
     const io::ProgressBar bar("sweep", progress, style);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::this_thread::sleep_for(wait);
   }
   // An end mark, so that reading never waits.
   EXPECT_EQ(::write(STDERR_FILENO, "\x04\n", 2), 2);
@@ -46,6 +48,15 @@ TEST(ProgressBar, DrawsShareAndTimeLeftOnATerminal) {
   EXPECT_NE(text.find("sweep [###############...............]  50 %, "), std::string::npos) << text;
   EXPECT_NE(text.find("s left"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("\r\033[K")) << "the line is cleared at the end";
+}
+
+TEST(ProgressBar, TellsFromTwoSecondsOnForHowLongUncountedWorkGoesOn) {
+  const auto drawing = drawn(true, io::ProgressStyle::bar, 0, std::chrono::milliseconds(2600));
+  if (!drawing) GTEST_SKIP() << "no pseudo-terminals here";
+  EXPECT_NE(drawing->find("sweep: at work for 2 s"), std::string::npos) << *drawing;
+  EXPECT_TRUE(drawing->ends_with("\r\033[K"));
+  EXPECT_EQ(drawn(true, io::ProgressStyle::bar, 0).value_or(""), "");
+  EXPECT_EQ(drawn(false, io::ProgressStyle::lines, 0).value_or(""), "");
 }
 
 TEST(ProgressBar, IsSilentElsewhere) {

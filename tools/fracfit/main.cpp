@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "commands/solver_log.hpp"
 #include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
@@ -18,6 +22,16 @@ namespace {
 int fail(const std::string& message, int code) {
   fracfit::complain(message);
   return code;
+}
+
+// Vectors of large data come and go many times.  Handed back to the system each time, their pages are made anew and
+// filled with zeros, which takes a quarter of the time of a fit to 10^6 points.
+void keep_memory() {
+#ifdef __GLIBC__
+  constexpr int kept = 1 << 30;
+  mallopt(M_TRIM_THRESHOLD, kept);
+  mallopt(M_MMAP_MAX, 0);
+#endif
 }
 
 int run(const std::vector<std::string>& arguments) {
@@ -35,6 +49,7 @@ int main(int argc, char** argv) {
   // program.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // the same for a limit of the size of files
+  keep_memory();
   io::clean_up_on_signals();
   fracfit::silence_solver_log();
   try {

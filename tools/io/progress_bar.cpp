@@ -67,7 +67,15 @@ void watch(const std::stop_token& stop, const std::string& label, const frac::Pr
   };
   bool shown = false;
   while (!wakeup.wait_for(lock, stop, pause, [&] { return stop.stop_requested(); })) {
-    if (progress.total.load() == 0) continue;
+    if (progress.total.load() == 0) {
+      constexpr double soon = 2;  // s
+      const double seconds = state().seconds;
+      if (style != ProgressStyle::bar || seconds < soon) continue;
+      std::fprintf(stderr, "\r\033[K%s: at work for %.0f s", label.c_str(), seconds);
+      std::fflush(stderr);
+      shown = true;
+      continue;
+    }
     (style == ProgressStyle::bar ? draw : write_line)(label, state());
     shown = true;
   }

@@ -15,7 +15,7 @@ enum class ProgressStyle {
 };
 
 /// Shows progress on standard error from a thread of its own until destroyed, with rate and an estimate of the time
-/// left.
+/// left; on a terminal, while the total is 0, from two seconds on for how long the work has gone on.
 class ProgressBar {
  public:
   ProgressBar(std::string label, const frac::Progress& progress, ProgressStyle style);

@@ -30,7 +30,8 @@ Complex rigid_loop(const backlash::ControlLoop& loop, double omega) {
 // Where the rigid loop comes nearest to the size 1, rad/s: what to show of a loop that was looked at everywhere and has
 // no cycle.
 double crossover(const backlash::ControlLoop& loop) {
-  const std::vector<double> grid = logarithmic_grid(1e-6, 1e6, 1201);
+  // As wide as powers of both bodies' masses and their frequencies stay numbers; a hundred points to a decade.
+  const std::vector<double> grid = logarithmic_grid(1e-100, 1e100, 20001);
   return *std::min_element(grid.begin(), grid.end(), [&loop](double a, double b) {
     return std::abs(std::log(std::abs(rigid_loop(loop, a)))) < std::abs(std::log(std::abs(rigid_loop(loop, b))));
   });

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "frac/cancellation.hpp"
+
 namespace backlash::detail {
 namespace {
 
@@ -98,6 +100,7 @@ void LoopRun::choose_limit() {
 LoopRun::Event LoopRun::advance(double until) {
   using Limit = RealisedLoop::Limit;
   while (time_ < until && !is_spent()) {
+    frac::throw_if_cancelled();
     ++flights_;
     const RealisedLoop::Regime& regime = loop_->regime(mode_);
     const FlightPath path(regime.flight, state_);

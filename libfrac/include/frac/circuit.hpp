@@ -48,8 +48,8 @@ struct PassiveOnePort {
   double tolerance;
   FosterForm form = FosterForm::series;
   std::vector<FosterCell> cells;
-  /// Largest |Z_circuit(j omega)/Z(j omega) - 1| on the band, computed from the values of the elements, on
-  /// `grid_points` frequencies and refined about the worst of them.
+  /// Bound on |Z_circuit(j omega)/Z(j omega) - 1| on the band, computed from the values of the elements, on
+  /// `grid_points` frequencies and at the summits between them.
   double max_relative_error = 0;
   /// Where that is reached, rad/s.
   double omega_at_maximum = 0;
@@ -98,7 +98,8 @@ struct TransferCircuit {
   std::vector<double> rates;
   /// Integrators of the model that leak, so that the circuit has an operating point; part of the error.
   int leaking_integrators = 0;
-  /// Largest |H(j omega)/G(j omega) - 1| on the band, of the values in the circuit.
+  /// Bound on |H(j omega)/G(j omega) - 1| on the band: the largest on `grid_points` frequencies and at the summits
+  /// between them, and what the rounding of the elements and of the dead time's phase may add.
   double max_relative_error = 0;
   /// Where that is reached, rad/s.
   double omega_at_maximum = 0;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/bound_text.hpp"
 #include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
@@ -290,7 +291,7 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
   } else if (count != nullptr) {
     choice = {designer.design(count->poles, anything), true};
     message = "The largest relative error with " + count_text(count->poles) + " is " +
-              detail::short_text(choice.result.error.max_relative);
+              detail::bound_text(choice.result.error.max_relative);
     // Zeros, poles and gain that are rounded to double leave an error of this size, whatever their number.
     constexpr double rounding = 1e-15;
     const int enough = designer.limit_poles(rounding);
@@ -305,14 +306,14 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
     if (choice.met) {
       status = ApproximationStatus::met;
       message = "Tolerance " + detail::short_text(tolerance) + " is met with " + count_text(choice.result.poles) +
-                ", largest relative error " + detail::short_text(reached) + ".";
+                ", largest relative error " + detail::bound_text(reached) + ".";
     } else {
       status = ApproximationStatus::not_attainable;
       const int most = designer.counts().back();
       const bool rounding = method == ApproximationMethod::ladder && choice.result.poles < most;
       const std::string bounds = "by " + std::string(to_string(method)) + " with up to " + count_text(most);
       message = "Tolerance " + detail::short_text(tolerance) + " is not attainable " +
-                (rounding ? "in double" : bounds) + ", best is " + detail::short_text(reached) + " with " +
+                (rounding ? "in double" : bounds) + ", best is " + detail::bound_text(reached) + " with " +
                 count_text(choice.result.poles) + ".";
     }
   }
@@ -336,7 +337,7 @@ std::string Approximation::summary() const {
   using detail::short_text;
   return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) + " rad/s by " +
          std::string(to_string(method)) + ", " + count_text(poles) + ": largest relative error " +
-         short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) + " rad/s. " + message;
+         detail::bound_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) + " rad/s. " + message;
 }
 
 }  // namespace frac

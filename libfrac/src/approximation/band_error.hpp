@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "frac/cancellation.hpp"
@@ -23,23 +24,55 @@ struct BandError {
   Real degrees = 0;   // largest |arg(H/G)|
 };
 
-/// Returns the coordinate at which `f` is largest: the largest of the values at `points`, which rise, or the maximum
-/// that Brent's method finds between its neighbours.  Its place is good to half the digits of a double, which leaves
-/// the value good to all of them.
+/// Height of the parabola through a value and its neighbours; the value itself where that has no summit.
+template <typename Real>
+[[nodiscard]] Real summit(const std::vector<Real>& points, const std::vector<Real>& values, std::size_t at) {
+  if (at == 0 || at + 1 == values.size()) return values[at];
+  const Real before = (values[at] - values[at - 1]) / (points[at] - points[at - 1]);
+  const Real after = (values[at + 1] - values[at]) / (points[at + 1] - points[at]);
+  const Real curvature = (after - before) / (points[at + 1] - points[at - 1]);
+  const Real slope = before + curvature * (points[at] - points[at - 1]);
+  const Real height = values[at] - slope * slope / (4 * curvature);
+  return curvature < 0 && std::isfinite(height) ? height : values[at];
+}
+
+/// Returns the coordinate at which `f` is largest: of the values at `points`, which rise, or between them.  Turns of
+/// equal height are common, and the highest point need not lie in the highest turn: every turn whose parabola may be
+/// the highest is searched by Brent's method between its neighbours.  Its place is good to half the digits of a double,
+/// which leaves the value good to all of them.
 /// @param values  of f at the points
 template <typename Real, typename Function>
 [[nodiscard]] Real refined_maximum(const std::vector<Real>& points, const std::vector<Real>& values,
                                    const Function& f) {
-  const auto place = static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
-  constexpr int bits = 24;
-  const auto [at, negative] = boost::math::tools::brent_find_minima(
-      [&](Real each) -> Real { return -f(each); }, points[place == 0 ? 0 : place - 1],
-      points[std::min(place + 1, points.size() - 1)], bits);
-  return -negative > values[place] ? at : points[place];
+  const auto highest = static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  if (!std::isfinite(values[highest])) return points[highest];
+  Real best = values[highest];
+  Real place = points[highest];
+  std::vector<std::pair<Real, std::size_t>> turns;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool rises = i == 0 || values[i] > values[i - 1];
+    const bool falls = i + 1 == values.size() || values[i] >= values[i + 1];
+    if (rises && falls) turns.emplace_back(summit(points, values, i), i);
+  }
+  std::sort(turns.rbegin(), turns.rend());
+  // Of ten points to a turn, as cos x, the parabola misses (pi/10)^4/24 of its height.
+  constexpr double between = 1e-3;
+  for (const auto& [height, i] : turns) {
+    if (height + Real(between) * std::abs(height) < best) break;
+    constexpr int bits = 24;
+    const auto [at, negative] =
+        boost::math::tools::brent_find_minima([&](Real each) -> Real { return -f(each); }, points[i == 0 ? 0 : i - 1],
+                                              points[std::min(i + 1, points.size() - 1)], bits);
+    if (-negative > best) {
+      best = -negative;
+      place = at;
+    }
+  }
+  return place;
 }
 
-/// Measures `ratio`, a function of a coordinate of the band, at rising points; the largest relative deviation is
-/// refined between its neighbours.
+/// Measures `ratio`, a function of a coordinate of the band, at rising points and, for the largest relative deviation,
+/// between them.
 template <typename Real, typename Ratio>
 [[nodiscard]] BandError<Real> band_error(const std::vector<Real>& points, const Ratio& ratio) {
   const auto relative = [&](Real at) -> Real {

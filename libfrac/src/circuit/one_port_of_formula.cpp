@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/bound_text.hpp"
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/short_text.hpp"
@@ -21,6 +22,7 @@ namespace frac {
 namespace {
 
 using Complex = std::complex<double>;
+using detail::bound_text;
 using detail::short_text;
 
 // An impedance or admittance on the imaginary axis, over a band.
@@ -217,7 +219,7 @@ PassiveOnePort passive_one_port(const Structure& impedance, FrequencyBand band, 
   throw std::domain_error(
       "impedance: no sum of resistors with capacitors, or with inductors, keeps the tolerance; the best one has "
       "an error of " +
-      short_text(best.max_relative_error) +
+      bound_text(best.max_relative_error) +
       ". A formula with functions is taken as such a sum, which one that resonates is not");
 }
 

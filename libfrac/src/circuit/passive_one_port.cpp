@@ -190,8 +190,7 @@ std::size_t PassiveOnePort::elements() const noexcept {
 }
 
 std::string PassiveOnePort::summary() const {
-  return impedance + " ohm on " + detail::short_text(band.lower) + " .. " + detail::short_text(band.upper) +
-         " rad/s. " + message;
+  return impedance + " ohm on " + detail::band_text(band) + ". " + message;
 }
 
 PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, FrequencyBand band, double tolerance) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "approximation/band_error.hpp"
+#include "base/bound_text.hpp"
 #include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
@@ -183,7 +184,7 @@ std::string size_text(const DigitalPower& result) {
 
 void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
   const auto* tolerance = std::get_if<Tolerance>(&goal);
-  const std::string reached = detail::short_text(result.error.max_relative);
+  const std::string reached = detail::bound_text(result.error.max_relative);
   const std::string size = size_text(result);
   if (tolerance == nullptr) {
     result.status = ApproximationStatus::as_asked;
@@ -314,8 +315,8 @@ std::string DigitalPower::summary() const {
   return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) +
          " rad/s, every " + short_text(sample_time) + " s by " + std::string(to_string(method)) + ", " +
          detail::counted(parallel.rates.size(), "section") + ", " + detail::counted(taps.size(), "tap") +
-         ": largest relative error " + short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) +
-         " rad/s. " + message;
+         ": largest relative error " + detail::bound_text(error.max_relative) + " at " +
+         short_text(error.omega_at_maximum) + " rad/s. " + message;
 }
 
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "approximation/band_error.hpp"
+#include "base/bound_text.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -52,8 +53,9 @@ void check(const FractionalPidConfig& config) {
   check_gain("ki", gains.ki);
   check_gain("kd", gains.kd);
   const auto check_order = [](const char* name, double value) {
-    if (!(value > 0 && value < 2)) {
-      refuse(std::string(name) + " = " + detail::number_text(value) + "; allowed is above 0 and below 2");
+    if (!(value >= least_controller_order && value <= largest_controller_order)) {
+      refuse(std::string(name) + " = " + detail::number_text(value) + "; allowed is " +
+             detail::number_text(least_controller_order) + " to " + detail::number_text(largest_controller_order));
     }
   };
   check_order("lambda", gains.lambda);
@@ -137,7 +139,7 @@ std::string design_note(const DigitalPower& power, const std::string& name, cons
   const bool swings = is_limited && swing > limits.swing;
   std::string note;
   if (power.status == ApproximationStatus::not_attainable) {
-    note += "The error of the " + name + " filter is " + detail::short_text(power.error.max_relative) +
+    note += "The error of the " + name + " filter is " + detail::bound_text(power.error.max_relative) +
             ", above the tolerance";
     if (is_limited && !swings) {
       note += "; less would make its answer to a step swing by more than " + detail::short_text(limits.swing) +

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/bound_text.hpp"
 #include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -305,6 +306,29 @@ double difference_from_finer_sum(const FractionalTransferFunction& model, const 
          finer * largest(response.output);
 }
 
+// The largest difference at all instants from a sum made for a thousandth of the tolerance, plus that of this sum from
+// the reference at the judged ones: what lies between them differs from either by the difference of the two sums.
+double difference_from_exact(const FractionalTransferFunction& model, const ResponseInput& input,
+                             const EvenSamples& even, std::span<const double> time, double tolerance,
+                             const TimeResponse& response) {
+  const double judged = difference_from_reference(model, input, time, response.output);
+  // No finer sum is to be had of the finest, whose error is rounding.
+  if (response.method == ResponseMethod::exponential_sum && tolerance < 10 * finest) return judged;
+  std::vector<double> finer;
+  try {
+    finer = by_exponentials(model, input, even, time, std::max(finest, 1e-3 * tolerance));
+  } catch (const NoFiniteSum&) {
+    return judged;
+  }
+  double between = 0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    // What is infinite in both has been judged.
+    if (!std::isfinite(response.output[i]) || !std::isfinite(finer[i])) continue;
+    between = std::max(between, std::abs(response.output[i] - finer[i]));
+  }
+  return std::max(judged, between + difference_from_reference(model, input, time, finer));
+}
+
 TimeResponse by_method(ResponseMethod method, const FractionalTransferFunction& model, const TimeInput& input,
                        const EvenSamples& even, std::span<const double> time, double tolerance) {
   TimeResponse response{{}, method, 0, true};
@@ -329,7 +353,7 @@ TimeResponse by_method(ResponseMethod method, const FractionalTransferFunction& 
   mark_outgrown(response.output, method);
   if (method != ResponseMethod::reference) {
     if (const auto* named = std::get_if<ResponseInput>(&input)) {
-      response.error_estimate = difference_from_reference(model, *named, time, response.output);
+      response.error_estimate = difference_from_exact(model, *named, even, time, tolerance, response);
     } else {
       response.error_estimate = difference_from_finer_sum(model, input, even, time, tolerance, response);
     }
@@ -408,7 +432,7 @@ TimeResponse respond(const FractionalTransferFunction& model, const TimeInput& i
 std::string TimeResponse::summary() const {
   using detail::short_text;
   return detail::counted(output.size(), "instant") + " by " + std::string(to_string(method)) + ", largest output " +
-         short_text(largest(output)) + ", estimated error " + short_text(error_estimate) +
+         short_text(largest(output)) + ", estimated error " + detail::bound_text(error_estimate) +
          (meets_tolerance ? "." : ", more than the tolerance allows.");
 }
 

@@ -183,13 +183,14 @@ class Analyse : public Command {
   int run() override {
     if (!pictures_.empty()) make_picture_folder(pictures_);
     const Analysis result = analysis_of(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_);
+    std::vector<report::Figure> figures;
+    if (!pictures_.empty()) figures = report::model_figures(result.model, "model");
     write(format() == "table" ? table_text(result) : json_text(result, command_line()));
     if (result.stability.stability == frac::Stability::undetermined)
       say("the stability is undetermined: the " + std::to_string(result.stability.poles.size()) +
           " poles found are not as many as the argument principle counts, as where poles lie too close together to be "
           "told apart");
-    const bool drawn =
-        pictures_.empty() || draw_pictures(*this, pictures_, report::model_figures(result.model, "model"));
+    const bool drawn = pictures_.empty() || draw_pictures(*this, pictures_, figures);
     return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
   }
 

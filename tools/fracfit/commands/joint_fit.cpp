@@ -241,13 +241,16 @@ class JointFit : public Command {
         run.options.emplace_back("reference", curves.at(fit_.shift->reference).name);
     }
     const auto result = frac::joint_fit(curves, frac::Structure(chosen_.formula), fit_);
+    // All that can fail is computed before the first line is written.
+    std::optional<std::string> master;
+    std::optional<report::Figure> figure;
+    if (master_file_ && !result.curves.empty()) master = master_curve_csv(run, result, curves, fit_.fit.realisation);
+    if (drawing_ && !result.curves.empty()) figure = master_curve_figure(run, result, curves, fit_.fit.realisation);
     write(format() == "json"  ? joint_fit_json(run, result)
           : format() == "csv" ? joint_fit_csv(run, result)
                               : joint_fit_table(run, result));
-    if (master_file_ && !result.curves.empty())
-      master_file_->write(master_curve_csv(run, result, curves, fit_.fit.realisation));
-    if (drawing_ && !result.curves.empty())
-      drawing_->write(master_curve_figure(run, result, curves, fit_.fit.realisation));
+    if (master) master_file_->write(*master);
+    if (figure) drawing_->write(std::move(*figure));
     if (result.usable()) return usable_result;
     say("no usable result: " + result.message);
     return no_usable_result;

@@ -171,11 +171,19 @@ class LimitCyclesCommand : public Command {
                                            request, starts_.value_or(0));
     }
     const backlash::CycleContinuation* events = followed ? &*followed : nullptr;
+    // All that can fail is computed before the first line is written.
+    std::vector<report::Figure> figures;
+    if (!pictures_.empty()) figures = figures_of(loops, events);
     write(format() == "json"  ? limit_cycles_json(loops, events, command_line())
           : format() == "csv" ? limit_cycles_csv(loops, command_line())
                               : limit_cycles_table(loops, events));
-    if (pictures_.empty() || draw_pictures(*this, pictures_, figures_of(loops, events))) return usable_result;
-    return no_usable_result;
+    if (pictures_.empty()) return usable_result;
+    if (figures.empty()) {
+      say("no picture: no cycle is a motion, and the lines of the describing function are those of free masses whose "
+          "load is measured");
+      return usable_result;
+    }
+    return draw_pictures(*this, pictures_, figures) ? usable_result : no_usable_result;
   }
 
   LoopOptions loop_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "backlash/design/tune_with_backlash.hpp"
 #include "commands/subcommand.hpp"
@@ -16,6 +17,7 @@
 #include "frac/identification/time_fit.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
+#include "io/number.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_record.hpp"
 #include "options/loop_options.hpp"
@@ -45,12 +47,15 @@ frac::GainBound gain_bound_of(std::string_view name, const std::string& text) {
 
 // One number holds the order.
 frac::OrderRange order_range_of(std::string_view name, const std::string& text) {
-  if (text.find(':') == std::string::npos) {
-    const double order = number_of(name, text);
-    return {order, order};
-  }
-  const auto [lower, upper] = pair_of(name, text);
-  return {number_of(name, lower), number_of(name, upper)};
+  const bool is_held = text.find(':') == std::string::npos;
+  const auto [lower, upper] = is_held ? std::pair(text, text) : pair_of(name, text);
+  const frac::OrderRange range{number_of(name, lower), number_of(name, upper)};
+  if (!(range.lower >= frac::least_controller_order && range.lower <= range.upper &&
+        range.upper <= frac::largest_controller_order))
+    throw std::invalid_argument(std::string(name) + " " + text + ": expected orders of " +
+                                io::format_number(frac::least_controller_order) + " to " +
+                                io::format_number(frac::largest_controller_order) + ", the lower one first");
+  return range;
 }
 
 Json controller_json(const frac::TuningResult& result) {

@@ -4,12 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <filesystem>
+#include <mutex>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 #include <utility>
 
+#include "frac/cancellation.hpp"
 #include "io/data_error.hpp"
 
 namespace fracfit {
@@ -40,7 +46,9 @@ void Command::add_common(const std::vector<std::string>& formats) {
         .unsaid();
   }
   options_.count("--threads", threads_, 0, most_threads).unsaid();
-  options_.flag("--quiet", quiet_, "No progress and no notes on standard error").unsaid();
+  options_.number("--time-limit", time_limit_).default_is("none").unsaid();
+  options_.flag("--quiet", quiet_, "No progress and no notes on standard error; why there is no usable result is said")
+      .unsaid();
 }
 
 Option& Command::add_shard(const std::string& pieces) {
@@ -48,6 +56,7 @@ Option& Command::add_shard(const std::string& pieces) {
 }
 
 void Command::add_progress() {
+  has_progress_ = true;
   options_.text("--progress", progress_).one_of({"bar", "json"}).unsaid();
 }
 
@@ -70,10 +79,16 @@ int Command::execute() {
       if (option.name() == "--out" && option.is_given() && option.text().empty())
         throw std::invalid_argument("--out '': expected a name");
     check();
+    constexpr double longest = 1e9;  // s, thirty years
+    if (time_limit_ && !(*time_limit_ > 0 && *time_limit_ <= longest))
+      throw std::invalid_argument("--time-limit " + options_["--time-limit"].text() +
+                                  ": allowed is above 0 up to 1e9 s");
     for (const std::string& note : notes_) say(note);
     out_ = io::with_shard(out_, shard_);
     output_.emplace(out_, options_.input_files());
-    return run();
+    const int code = run_in_time();
+    if (code == no_usable_result && !unsaid_.empty()) complain(unsaid_);
+    return code;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options_.in_their_words(error.what()));
   } catch (const std::domain_error& error) {
@@ -81,8 +96,33 @@ int Command::execute() {
   }
 }
 
+int Command::run_in_time() {
+  // Commands with a bar of their own show it; others, that they are at work.
+  const frac::Progress nothing_counted;
+  std::optional<io::ProgressBar> at_work;
+  if (!has_progress_) at_work.emplace(name_, nothing_counted, progress_style());
+  if (!time_limit_) return run();
+  std::atomic<bool> is_over = false;
+  const frac::CancellationScope watched(is_over);
+  const std::jthread clock([&is_over, seconds = *time_limit_](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any wakeup;
+    wakeup.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
+    if (!stop.stop_requested()) is_over = true;
+  });
+  try {
+    return run();
+  } catch (const frac::Cancelled&) {
+    throw std::runtime_error("--time-limit " + options_["--time-limit"].text() + ": the time is over");
+  }
+}
+
 void Command::say(const std::string& message) const {
-  if (!quiet_) complain(message);
+  if (quiet_)
+    unsaid_ = message;
+  else
+    complain(message);
 }
 
 std::string Command::format() const {

@@ -40,7 +40,8 @@ class Command {
   [[nodiscard]] Options& options() { return options_; }
   [[nodiscard]] const Options& options() const { return options_; }
 
-  /// A note on standard error, unless --quiet.
+  /// A note on standard error, unless --quiet; the last one before an exit with no_usable_result is its reason and said
+  /// all the same.
   void say(const std::string& message) const;
   /// A note that is said when the work begins.
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
@@ -58,7 +59,7 @@ class Command {
   /// --progress, for commands that compute for long.
   void add_progress();
   [[nodiscard]] io::ProgressStyle progress_style() const;
-  /// --threads and --quiet; --out and --format, the format of files first, where there are formats.
+  /// --threads, --time-limit and --quiet; --out and --format, the format of files first, where there are formats.
   void add_common(const std::vector<std::string>& formats = {});
   void set_footer(std::string text) { footer_ = std::move(text); }
 
@@ -74,11 +75,15 @@ class Command {
   [[nodiscard]] bool writes_file() const;
 
  private:
+  int run_in_time();
+
   std::string name_, about_, footer_;
   Options options_;
   std::string out_, format_, file_format_;
   int threads_ = 0;
-  bool quiet_ = false;
+  bool quiet_ = false, has_progress_ = false;
+  std::optional<double> time_limit_;
+  mutable std::string unsaid_;
   io::Shard shard_;
   std::string progress_ = "bar";
   std::optional<io::OutputFile> output_;

@@ -48,8 +48,8 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
   o.number("--ki", config_.gains.ki, "Gain of the fractional integral, kp + ki/s^lambda + kd s^mu", "K")
       .not_with(model, why);
   o.number("--kd", config_.gains.kd, "Gain of the fractional derivative", "K").not_with(model, why);
-  o.number("--lambda", config_.gains.lambda, "above 0 and below 2").not_with(model, why);
-  o.number("--mu", config_.gains.mu, "above 0 and below 2").not_with(model, why);
+  o.number("--lambda", config_.gains.lambda, "0.001 to 1.999").not_with(model, why);
+  o.number("--mu", config_.gains.mu, "0.001 to 1.999").not_with(model, why);
   o.parsed("--model", model_, formula_of,
            "a filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band");
   Option& time = o.number("--sample-time", config_.sample_time);

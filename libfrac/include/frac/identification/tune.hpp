@@ -65,7 +65,7 @@ struct OrderRange {
 
 struct TuningOptions {
   ControllerStructure structure = ControllerStructure::pid;
-  OrderRange lambda{0.1, 1.9};        // within (0, 2); lower = upper holds the order, 1 is the classical controller's
+  OrderRange lambda{0.1, 1.9};        // 0.001 to 1.999; lower = upper holds the order, 1 is the classical controller's
   OrderRange mu{0.1, 1.9};            // taken no further than leaves the loop falling at high frequency
   double derivative_filter_time = 0;  // s
   TuningCriterion criterion = TuningCriterion::sensitivity;

@@ -49,9 +49,11 @@ struct TimeResponse {
   std::vector<double> output;
   /// The one used.
   ResponseMethod method;
-  /// Absolute, in the unit of the output.  An estimate, no bound: of the reference from its rounding; else the largest
-  /// difference from the reference at some twenty instants (named input), or from an exponential sum of finer tolerance
-  /// plus that tolerance (samples).  Infinite where the output has outgrown a double.
+  /// Absolute, in the unit of the output: of the reference from its rounding; else the largest difference at all
+  /// instants from an exponential sum of a thousandth of the tolerance, plus the error of that sum, which is its
+  /// largest difference from the reference at some twenty instants (named input) or its tolerance (samples).  Of
+  /// exponential sums for less than 1e-12 the twenty instants alone are compared.  Infinite where the output has
+  /// outgrown a double.
   double error_estimate;
   /// error_estimate <= tolerance times the largest output.
   bool meets_tolerance;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/bound_text.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "runtime_text.hpp"
@@ -97,8 +98,8 @@ CHeaderOptions described(const CHeaderOptions& options, const FixedPointRanges& 
   result.precision = Precision::float_type;
   result.comment +=
       "\nFixed point: inputs are fractions of " + number_text(ranges.input) + " times 2^31, outputs of " +
-      number_text(ranges.output) + ";\nan output differs from the exact one by " + short_text(header.error_bound) +
-      (header.error_per_sample > 0 ? " and " + short_text(header.error_per_sample) + " per sample since the start"
+      number_text(ranges.output) + ";\nan output differs from the exact one by " + bound_text(header.error_bound) +
+      (header.error_per_sample > 0 ? " and " + bound_text(header.error_per_sample) + " per sample since the start"
                                    : "") +
       " at most.";
   if (std::isfinite(header.exact_excess))

@@ -20,56 +20,47 @@ constexpr double degrees = 4;  // of Student's t
 
 /// A weighted sum of values at neighbouring points, which is small for a smooth curve.
 struct Change {
-  double size;
+  std::complex<double> size;
   std::array<std::pair<std::size_t, double>, 1 + LocalCurve::most_neighbours> shares;  // of its variance, by point
   std::size_t count;
 };
 
-/// One change for each part that is looked at.
-void add(std::vector<Change>& all, Component component, const Change& shape, std::complex<double> size) {
-  for (const bool real : {true, false}) {
-    if (component == (real ? Component::imaginary : Component::real)) continue;
-    all.push_back(shape);
-    all.back().size = real ? size.real() : size.imag();
-  }
-}
+// Changes are handed on one after the other: kept, they would take a hundred times the memory of the data.
 
-/// Distances of residuals from the line through both neighbours.
-std::vector<Change> changes(const FrequencyResponseData& data, std::span<const std::complex<double>> model,
-                            Component component) {
-  std::vector<Change> result;
+/// Visits the distances of residuals from the line through both neighbours.
+template <typename Visit>
+void for_each_change(const FrequencyResponseData& data, std::span<const std::complex<double>> model,
+                     const Visit& visit) {
   const auto& omega = data.omega();
   for (std::size_t i = 1; i + 1 < omega.size(); ++i) {
     const double width = std::log(omega[i + 1] / omega[i - 1]);
     const double right = width > 0 ? std::log(omega[i] / omega[i - 1]) / width : 0.5, left = 1 - right;
     const auto rest = [&](std::size_t k) { return model[k] - data.value()[k]; };
-    add(result, component, {0, {{{i, 1}, {i - 1, left * left}, {i + 1, right * right}}}, 3},
-        rest(i) - left * rest(i - 1) - right * rest(i + 1));
+    visit(Change{rest(i) - left * rest(i - 1) - right * rest(i + 1),
+                 {{{i, 1}, {i - 1, left * left}, {i + 1, right * right}}},
+                 3});
   }
-  return result;
 }
 
-/// Distances of values from the curve through their neighbours.
-std::vector<Change> changes(const FrequencyResponseData& data, Component component) {
+/// Visits the distances of values from the curve through their neighbours.
+template <typename Visit>
+void for_each_change(const FrequencyResponseData& data, const Visit& visit) {
   std::vector<double> log_omega;
   std::vector<std::size_t> all;
   for (const double omega : data.omega()) {
     all.push_back(log_omega.size());
     log_omega.push_back(std::log(omega));
   }
-  std::vector<Change> result;
   for (std::size_t i = 2; i + 2 < all.size(); ++i) {
     const LocalCurve curve = local_curve(log_omega, all, i);
     if (!std::isfinite(curve.noise)) continue;  // among repeats
-    Change change{0, {{{i, 1}}}, 1};
-    std::complex<double> size = data.value()[i];
+    Change change{data.value()[i], {{{i, 1}}}, 1};
     for (std::size_t k = 0; k < curve.count; ++k) {
-      size -= curve.weight[k] * data.value()[curve.neighbour[k]];
+      change.size -= curve.weight[k] * data.value()[curve.neighbour[k]];
       change.shares[change.count++] = {curve.neighbour[k], curve.weight[k] * curve.weight[k]};
     }
-    add(result, component, change, size);
+    visit(change);
   }
-  return result;
 }
 
 /// Squares of changes, and their variances for noise of the size of the values and for noise of size 1.
@@ -100,7 +91,11 @@ double scale_of(std::span<const double> ratio) {
   constexpr double median_of_t = 0.55, largest_step = 2, smallest_step = 1e-3;
   constexpr int most_steps = 50;
   constexpr std::size_t lanes = 8;
-  double scale = median({ratio.begin(), ratio.end()}) / median_of_t;
+  // That of some thousand is known to some per cent, a fraction of the first step.
+  constexpr std::size_t enough = 4000;
+  std::vector<double> some;
+  for (std::size_t i = 0, every = 1 + ratio.size() / enough; i < ratio.size(); i += every) some.push_back(ratio[i]);
+  double scale = median(std::move(some)) / median_of_t;
   for (int count = 0; count < most_steps; ++count) {
     std::array<double, lanes> slopes{}, bends{};
     with_wide_vectors([&]() FRACFIT_INLINE {
@@ -138,9 +133,11 @@ double likelihood(const Squares& all, double floor) {
          (variances.value() + static_cast<double>(ratio.size()) * std::log(scale) + (degrees + 1) * tails.value());
 }
 
-/// @param size  of the values, whose noise is sought
-double floor_of(const FrequencyResponseData& data, std::span<const std::complex<double>> size,
-                const std::vector<Change>& changes) {
+/// @param size     of the values, whose noise is sought
+/// @param changes  hands each change to what it is given
+template <typename Changes>
+double floor_of(const FrequencyResponseData& data, std::span<const std::complex<double>> size, Component component,
+                const Changes& changes) {
   // In units of the largest value, so that no square overflows.
   double largest = 0;
   for (const std::complex<double> each : data.value()) largest = std::max(largest, std::abs(each));
@@ -152,22 +149,25 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
     square.push_back(std::pow(of_model / largest, 2));
   }
   std::vector<double> changed;
-  for (const Change& each : changes) changed.push_back(std::pow(each.size / largest, 2) / square[each.shares[0].first]);
-  // Values that follow a curve to within rounding show no noise.
-  constexpr double rounding = 1e-10;
-  if (changed.empty() || !(median(changed) > rounding * rounding)) return 0;
-
   Squares all;
-  for (const Change& each : changes) {
+  changes([&](const Change& each) {
     double relative = 0, absolute = 0;
     for (std::size_t k = 0; k < each.count; ++k) {
       relative += each.shares[k].second * square[each.shares[k].first];
       absolute += each.shares[k].second;
     }
-    all.size.push_back(std::pow(each.size / largest, 2));
-    all.relative.push_back(relative);
-    all.absolute.push_back(absolute);
-  }
+    for (const bool real : {true, false}) {
+      if (component == (real ? Component::imaginary : Component::real)) continue;
+      all.size.push_back(std::pow((real ? each.size.real() : each.size.imag()) / largest, 2));
+      all.relative.push_back(relative);
+      all.absolute.push_back(absolute);
+      changed.push_back(all.size.back() / square[each.shares[0].first]);
+    }
+  });
+  // Values that follow a curve to within rounding show no noise.
+  constexpr double rounding = 1e-10;
+  if (changed.empty() || !(median(std::move(changed)) > rounding * rounding)) return 0;
+
   const double none = likelihood(all, 0);
   double best = 0, highest = none;
   const double first = std::log(smallest / largest / 10), last = std::log(30.0);
@@ -205,11 +205,12 @@ double noise_floor(const FrequencyResponseData& data, std::span<const std::compl
   std::vector<std::complex<double>> size;
   for (const std::complex<double> each : model)
     size.emplace_back(no_real ? 0 : each.real(), no_imaginary ? 0 : each.imag());
-  return floor_of(data, size, changes(data, model, component));
+  return floor_of(data, size, component, [&](const auto& visit) { for_each_change(data, model, visit); });
 }
 
 double noise_floor(const FrequencyResponseData& data, Component component) {
-  return tells_a_floor(data, component) ? floor_of(data, data.value(), changes(data, component)) : 0;
+  if (!tells_a_floor(data, component)) return 0;
+  return floor_of(data, data.value(), component, [&](const auto& visit) { for_each_change(data, visit); });
 }
 
 }  // namespace frac::detail

@@ -61,9 +61,11 @@ void require_valid(const FractionalTransferFunction& plant, const LoopSpecificat
     check_positive((std::string(name) + ".gain").c_str(), bound->gain, "");
   }
   for (const auto& [name, range] : {std::pair{"lambda", options.lambda}, std::pair{"mu", options.mu}}) {
-    if (!(range.lower > 0 && range.lower <= range.upper && range.upper < 2)) {
-      refuse(std::string(name) + " = " + number_text(range.lower) + " to " + number_text(range.upper) +
-             "; needed is 0 < lower <= upper < 2");
+    if (!(range.lower >= least_controller_order && range.lower <= range.upper &&
+          range.upper <= largest_controller_order)) {
+      refuse(std::string(name) + " = " + (range.lower == range.upper ? "" : number_text(range.lower) + " to ") +
+             number_text(range.upper) + "; allowed are orders of " + number_text(least_controller_order) + " to " +
+             number_text(largest_controller_order) + ", the lower one first");
     }
   }
   if (!(options.derivative_filter_time >= 0 && std::isfinite(options.derivative_filter_time))) {
