@@ -12,10 +12,10 @@
 
 #include "base/check.hpp"
 #include "cycle_frequencies.hpp"
-#include "cycle_harmonics.hpp"
-#include "cycle_stability.hpp"
-#include "excursion.hpp"
 #include "frequency_search.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/excursion.hpp"
 
 namespace backlash::detail {
 namespace {

@@ -7,10 +7,10 @@
 #include <stdexcept>
 
 #include "base/check.hpp"
-#include "cycle_equations.hpp"
-#include "cycle_harmonics.hpp"
-#include "cycle_stability.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash {
 namespace {

@@ -13,13 +13,13 @@
 #include <utility>
 
 #include "base/check.hpp"
-#include "cycle_equations.hpp"
 #include "cycle_frequencies.hpp"
-#include "cycle_harmonics.hpp"
-#include "dense_elimination.hpp"
-#include "forced_orbits.hpp"
 #include "frequency_search.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/dense_elimination.hpp"
+#include "loops/equations/forced_orbits.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash {
 namespace {

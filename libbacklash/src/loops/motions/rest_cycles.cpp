@@ -10,7 +10,7 @@
 
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
-#include "cycle_harmonics.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
 
 namespace backlash::detail {
 namespace {

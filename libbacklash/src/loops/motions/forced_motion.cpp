@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
-#include "cycle_equations.hpp"
-#include "cycle_stability.hpp"
 #include "frac/cancellation.hpp"
 #include "loop_run.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_stability.hpp"
 #include "realised_loop.hpp"
 #include "steady_state/window_mean.hpp"
 

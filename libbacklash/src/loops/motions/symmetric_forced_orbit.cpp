@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "cycle_stability.hpp"
-#include "excursion.hpp"
 #include "forced_motion.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/excursion.hpp"
 
 namespace backlash::detail {
 namespace {
