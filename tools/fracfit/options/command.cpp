@@ -70,7 +70,6 @@ int Command::execute() {
       if (option.name() == "--out" && option.is_given() && option.text().empty())
         throw std::invalid_argument("--out '': expected a name");
     check();
-    for (const std::string& note : notes_) say(note);
     out_ = io::with_shard(out_, shard_);
     output_.emplace(out_, options_.input_files());
     return run();

@@ -86,8 +86,7 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
            "integrates they make the first ones more accurate",
            "N")
       .otherwise("1e9")
-      .only_with(model)
-      .was("--horizon");
+      .only_with(model);
 }
 
 void ControllerRequest::check(const Options& options) const {
