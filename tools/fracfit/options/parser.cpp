@@ -29,10 +29,10 @@ Command* find_command(const std::vector<CommandGroup>& groups, const std::string
 Command& command_named(const std::vector<CommandGroup>& groups, const std::string& name) {
   if (Command* found = find_command(groups, name)) return *found;
 #ifndef FRACFIT_HAS_EXPORTS
-  if (name == "export")
-    refuse(
-        "export is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
-        "-DFRACFIT_EXPORTS=ON");
+  if (name == "export" || name == "cluster-script")
+    refuse(name +
+           " is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
+           "-DFRACFIT_EXPORTS=ON");
 #endif
   std::vector<std::string> names;
   for (const auto& group : groups)
