@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "loops/gap_response.hpp"
-#include "loops/power_train.hpp"
+#include "loops/equations/gap_response.hpp"
+#include "loops/equations/power_train.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/expected_stability.hpp"
 #include "support/random.hpp"

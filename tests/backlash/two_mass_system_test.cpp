@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/impact_law.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 
@@ -65,6 +66,25 @@ TEST(TwoMassSystem, ImpactKeepsMomentumObeysRestitutionAndLosesEnergy) {
     const double e_after = reduced / 2 * relative_after * relative_after;
     EXPECT_NEAR(backlash::impact_energy_loss(system, relative) / reduced, (e_before - e_after) / reduced,
                 100 * speed_rounding);
+  }
+}
+
+TEST(TwoMassSystem, ImpulsesOfAnImpactTurnTheVelocitiesAsItDoes) {
+  support::Random random(8);
+  for (int i = 0; i < 1000; ++i) {
+    const TwoMassSystem system(random.log_uniform(1e-9, 1e9), random.log_uniform(1e-9, 1e9), 0.1, random.unit());
+    const ImpactVelocities before{random.uniform(-5, 5), random.uniform(-5, 5)};
+    const ImpactVelocities after = backlash::post_impact_velocities(system, before);
+    const double approach = before.mass2 - before.mass1, separation = after.mass2 - after.mass1;
+    // As above: velocities up to 20, each good to a few roundings.
+    const double speed_rounding = 4e-15 * 20;
+    const double impulse = backlash::detail::impulse_per_speed(system) * approach;
+    EXPECT_NEAR(after.mass1, before.mass1 + impulse / system.mass1(), speed_rounding);
+    EXPECT_NEAR(after.mass2, before.mass2 - impulse / system.mass2(), speed_rounding);
+    const double jump = 1 / system.mass1() + 1 / system.mass2();
+    EXPECT_NEAR(backlash::detail::speed_per_impulse(jump, system) * impulse, approach, speed_rounding);
+    EXPECT_NEAR(backlash::detail::loss_ratio(system.restitution()) * (approach - separation), approach + separation,
+                speed_rounding);
   }
 }
 

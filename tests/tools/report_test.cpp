@@ -439,6 +439,11 @@ TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   const auto figures = figures_in(page);
   ASSERT_EQ(figures.size(), 2U) << "response and residuals";
+  // Drawn once, by the script, and who allows none is told of it at each picture.
+  EXPECT_EQ(page.find("<svg"), std::string::npos);
+  std::size_t told = 0;
+  for (std::size_t at = page.find("<noscript>"); at != std::string::npos; at = page.find("<noscript>", at + 1)) ++told;
+  EXPECT_EQ(told, figures.size());
   const auto json = report.results();
   const auto& rows = json.at("tables").at("data-1-curves");
   // The data are the last curve of the Nyquist panel.

@@ -77,7 +77,6 @@ pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
 .live .band path{fill:var(--stroke);stroke:none;opacity:.35}
 .live .marks circle{stroke:var(--stroke);stroke-width:2.4}
 .tooltip{position:absolute;z-index:2;pointer-events:none;background:#fff;color:#222;border:1px solid #999;padding:.3rem .55rem;font-size:.85rem;line-height:1.35;white-space:pre}
-@media screen{.answers>.print,.answers>.notice{display:none}}
 @media screen and (prefers-color-scheme:dark){
 :root{--ink:#f0f0ec;--grid:#3a3a3a;--mix:35%}
 body,pre{background:#121212;color:#e6e6e2}main{background:#1b1b1b;box-shadow:none}
@@ -87,7 +86,7 @@ a,nav a,.reading b{color:#7cc0ee}.sub,.files,.more,figcaption,caption{color:#b5b
 .tooltip{background:#2a2a2a;color:#eee;border-color:#777}
 .print svg{color-scheme:light;color:#000}
 }
-@media print{.live,.tooltip{display:none}body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
+@media print{.bar input,.bar button,.tooltip,.marks{display:none}body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
 @media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
 )css";
 
@@ -104,6 +103,10 @@ std::string read_text(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+bool is_drawn_by_page(const Figure& figure) {
+  return !figure.link.empty();
+}
+
 std::string plain_text(std::string_view html) {
   std::string text;
   bool tag = false;
@@ -115,23 +118,31 @@ std::string plain_text(std::string_view html) {
   return text;
 }
 
+// The picture for those who see the page: drawn by its script, or as gnuplot has drawn it.
+std::string picture_html(const Figure& figure, const std::filesystem::path& svg) {
+  const std::string drawn = read_text(svg);
+  const std::string missing =
+      "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
+  if (is_drawn_by_page(figure)) {
+    const std::string elsewhere =
+        "<div class=\"notice\">" + prose("page", "no-script", {{"name", figure.name}}) + "</div>\n";
+    return "<script type=\"application/json\" class=\"figure-data\">" + figure_data(figure) + "</script>\n<noscript>" +
+           (drawn.empty() ? missing : elsewhere) + "</noscript>\n";
+  }
+  if (drawn.empty()) return missing;
+  return "<div class=\"print\" role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
+         inline_svg(drawn, figure.name + "-") + "</div>\n";
+}
+
 std::string figure_html(const Figure& figure, const std::filesystem::path& folder) {
-  const std::string svg = read_text(folder / "figures" / (figure.name + ".svg"));
   const std::string stem = "figures/" + figure.name;
+  const std::filesystem::path svg = folder / (stem + ".svg");
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
   if (!figure.verdict.empty()) html += "<div class=\"verdict\">" + figure.verdict + "</div>\n";
-  if (svg.empty()) {
-    html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
-  } else {
-    html += "<div class=\"print\" role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
-            inline_svg(svg, figure.name + "-") + "</div>\n";
-  }
-  html += "<figcaption>" + figure.caption + " <span class=\"files\">[";
-  if (!svg.empty()) html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
-  html += "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n";
-  if (!figure.link.empty())
-    html += "<script type=\"application/json\" class=\"figure-data\">" + figure_data(figure) + "</script>\n";
-  return html + "</figure>\n";
+  html += picture_html(figure, svg) + "<figcaption>" + figure.caption + " <span class=\"files\">[";
+  if (std::filesystem::exists(svg))
+    html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
+  return html + "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n</figure>\n";
 }
 
 bool is_word_column(const Table& table, std::size_t column) {
@@ -186,7 +197,7 @@ std::string table_html(const Table& table) {
 bool answers(const Section& section) {
   return std::any_of(section.blocks.begin(), section.blocks.end(), [](const Block& block) {
     const Figure* figure = std::get_if<Figure>(&block);
-    return figure != nullptr && !figure->link.empty();
+    return figure != nullptr && is_drawn_by_page(*figure);
   });
 }
 

@@ -37,8 +37,8 @@ struct Page {
   std::size_t before_contents = 0;  // so many sections stand before the table of contents, and not in it
 };
 
-/// The whole page, self-contained.  Pictures are read from figures/<name>.svg under `folder`; where one is missing the
-/// page says so in its place.
+/// The whole page, self-contained.  Its script draws the pictures of data; others are read from figures/<name>.svg
+/// under `folder`.  Where one is missing the page says so in its place.
 [[nodiscard]] std::string page_html(const Page& page, const std::filesystem::path& folder);
 
 }  // namespace report

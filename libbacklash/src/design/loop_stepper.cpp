@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/impact_law.hpp"
 #include "frac/fractional_derivative.hpp"
 
 namespace backlash::detail {
@@ -87,7 +88,6 @@ bool can_be_stepped(const LinearBodies& bodies) {
 std::vector<double> step_loop(const SteppedLoop& loop, double speed, double step, std::size_t steps) {
   const TwoMassSystem& system = loop.bodies.system();
   const double wall = system.clearance() / 2;
-  const double exchanged = (1 + system.restitution()) / (1 / system.mass1() + 1 / system.mass2());
   const double away = 1e6 * system.clearance();
   const auto horizon = static_cast<double>(steps);
   Body load(loop.bodies.load(), step, horizon), drive(loop.bodies.drive(), step, horizon);
@@ -101,8 +101,9 @@ std::vector<double> step_loop(const SteppedLoop& loop, double speed, double step
     const double gap = drive.position() - load.position();
     const double closing = drive.speed() - load.speed();
     if ((gap >= wall && closing > 0) || (gap <= -wall && closing < 0)) {
-      load.hit(exchanged * closing);
-      drive.hit(-exchanged * closing);
+      const double impulse = impulse_per_speed(system) * closing;
+      load.hit(impulse);
+      drive.hit(-impulse);
     }
     load.push(0);
     drive.push(controller(-positions.back()));

@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include "frac/parallel_for.hpp"
-#include "loops/forced_orbits.hpp"
-#include "loops/gap_response.hpp"
-#include "loops/symmetric_forced_orbit.hpp"
+#include "loops/equations/forced_orbits.hpp"
+#include "loops/equations/gap_response.hpp"
+#include "loops/motions/symmetric_forced_orbit.hpp"
 #include "scene_evidence.hpp"
 
 namespace backlash::detail {

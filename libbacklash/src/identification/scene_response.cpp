@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/impact_law.hpp"
 #include "steady_state/steady_state.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
@@ -97,7 +98,7 @@ std::optional<ByLoss> asymmetric_response(double gamma, double kappa) {
 }  // namespace
 
 std::optional<GapResponse> two_impact_response(double gamma, double restitution) {
-  const double kappa = (1 - restitution) / (1 + restitution);
+  const double kappa = loss_ratio(restitution);
   const double kappa_by_restitution = -2 / ((1 + restitution) * (1 + restitution));
   const auto response = gamma <= symmetry_breaking_gamma(restitution) ? symmetric_response(gamma, kappa)
                                                                       : asymmetric_response(gamma, kappa);

@@ -110,13 +110,7 @@ class Writer {
       case Operation::subtract:
         factors.texts.push_back(raised(sum(index), exponent));
         return;
-      case Operation::exp:
-      case Operation::tanh:
-      case Operation::coth:
-      case Operation::sinh:
-      case Operation::cosh:
-      case Operation::sech:
-      case Operation::log:
+      default:  // a function
         factors.texts.push_back(
             raised("(f" + std::to_string(static_cast<int>(at.operation)) + " " + sum(at.left) + ")", exponent));
         return;

@@ -154,17 +154,9 @@ Form apply(const Node& node, const std::vector<Form>& done, const std::vector<do
       return raised(left(), 0.5);
     case Operation::exp:
       return exponential(left());
-    case Operation::tanh:
-    case Operation::coth:
-    case Operation::sinh:
-    case Operation::cosh:
-    case Operation::sech:
-    case Operation::log:
-    case Operation::number:
-    case Operation::parameter:
-      break;
+    default:
+      throw NoRatio{};
   }
-  throw NoRatio{};
 }
 
 int roots_given(const Factors& factors) {

@@ -72,17 +72,9 @@ Text text_of(const Node& node, const Expression& expression, const std::vector<T
     case Operation::power_of_s:
       return left().text == "1" ? raised({"s", Hold::whole}, right())
                                 : raised({at_least(Hold::product, left()) + " s", Hold::product}, right());
-    case Operation::exp:
-    case Operation::sqrt:
-    case Operation::tanh:
-    case Operation::coth:
-    case Operation::sinh:
-    case Operation::cosh:
-    case Operation::sech:
-    case Operation::log:
-      break;
+    default:
+      return called(node.operation, left());
   }
-  return called(node.operation, left());
 }
 
 }  // namespace

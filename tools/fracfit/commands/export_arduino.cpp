@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "commands/subcommand.hpp"
+#include "frac/digital/arduino_library.hpp"
 #include "options/controller_request.hpp"
 #include "report/staged_folder.hpp"
 
@@ -28,7 +29,8 @@ class ExportArduino : public Command {
   int run() override {
     const ControllerRequest::Design design = request_.design(options());
     report::StagedFolder folder(folder_);
-    for (const frac::NamedText& file : code_.arduino_library(request_, design, command_line() + code_.words()))
+    const auto library = [](const auto& of, const auto& options) { return frac::arduino_library(of, options); };
+    for (const frac::NamedText& file : code_.made_by(library, request_, design, command_line() + code_.words()))
       folder.write(file.path, file.text);
     folder.publish("library.properties");
     if (const std::string note = note_of(design); !note.empty()) say(note);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "commands/subcommand.hpp"
+#include "frac/digital/fixed_point.hpp"
 #include "options/controller_request.hpp"
 
 namespace fracfit {
@@ -45,9 +46,10 @@ class ExportC99 : public Command {
   int run() override {
     const ControllerRequest::Design design = request_.design(options());
     if (ranges_) {
-      const frac::FixedPointHeader header =
-          code_.fixed_point(request_, design, *ranges_, command_line() + code_.name_in_words());
-      write(header.text);
+      const auto header = [&](const auto& of, const auto& options) {
+        return frac::fixed_point_header(of, *ranges_, options);
+      };
+      write(code_.made_by(header, request_, design, command_line() + code_.name_in_words()).text);
     } else {
       write(code_.header(request_, design, command_line() + code_.words()));
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdint>
-#include <filesystem>
 #include <set>
 #include <stdexcept>
 
@@ -38,7 +37,9 @@ class Merge : public Command {
     if (status_) return;
     if (options()["--format"].is_given() && Command::format() != "csv")
       throw std::invalid_argument("--format " + Command::format() + " has no meaning without --status");
-    if (out().empty()) take_old_form();
+    if (out().empty())
+      throw std::invalid_argument(
+          "--out is required: the joined table, - for standard output; the arguments are inputs");
   }
 
   int write_states(const std::vector<io::ShardState>& states) {
@@ -67,16 +68,6 @@ class Merge : public Command {
          }}};
     write(text_of(document, format(), command_line()));
     return again.empty() ? usable_result : no_usable_result;
-  }
-
-  // `merge OUT IN...`, where it can be told from inputs alone.
-  void take_old_form() {
-    if (in_.size() < 2 || (in_.front() != "-" && std::filesystem::exists(in_.front())))
-      throw std::invalid_argument(
-          "--out is required: the joined table, - for standard output; the arguments are inputs");
-    add_note("merge OUT IN... is now merge IN... --out OUT; the old form works in this version for the last time");
-    set_out(in_.front());
-    in_.erase(in_.begin());
   }
 
   int run() override {

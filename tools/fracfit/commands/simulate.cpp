@@ -30,8 +30,7 @@ class Simulate : public SweepCommand {
     add_receptances(o, load_, drive_);
     o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();
     o.text("--motion", motion_, "Motion with impacts, or the closed form without inertia", "MOTION")
-        .one_of({"dynamic", "static"})
-        .was("--model");
+        .one_of({"dynamic", "static"});
     const Condition is_static{"--motion", {"static"}};
     o.choice("--body", sweep_.output, backlash::outputs()).not_with(is_static, "whose closed form gives x1 alone");
     add_quantity();

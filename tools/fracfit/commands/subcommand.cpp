@@ -68,9 +68,10 @@ std::vector<CommandGroup> all_commands() {
                          make_mittag_leffler));
   groups.push_back(group("Controllers", make_controller, make_tune));
 #ifdef FRACFIT_HAS_EXPORTS
-  groups.push_back(group("Exports", make_export_c99, make_export_arduino, make_export_fmu, make_export_spice));
+  groups.push_back(
+      group("Exports", make_export_c99, make_export_arduino, make_export_fmu, make_export_spice, make_cluster_script));
 #endif
-  groups.push_back(group("Files and shell", make_convert, make_merge, make_cluster_script, make_completion, make_man));
+  groups.push_back(group("Files and shell", make_convert, make_merge, make_completion, make_man));
   return groups;
 }
 

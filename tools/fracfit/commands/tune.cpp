@@ -227,7 +227,7 @@ class Tune : public Command {
  public:
   Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
     Options& o = options();
-    add_model(o, plant_, "the plant").was("--plant");
+    add_model(o, plant_, "the plant");
     o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters")
         .names_input();
     o.text("--from-relay", relay_,
@@ -268,8 +268,7 @@ class Tune : public Command {
         .default_is("0.1:1.9");
     o.number("--derivative-filter", tuning_.derivative_filter_time);
     o.choice("--minimise", tuning_.criterion, frac::tuning_criteria(),
-             "What is made least, max |S| or the integral of |error| or of t |error|", "NAME")
-        .was("--criterion");
+             "What is made least, max |S| or the integral of |error| or of t |error|", "NAME");
     o.number("--horizon", horizon_, "Length of the step response of iae and itae, s", "T");
     o.text("--step", step_, "Where that step enters", "PLACE").one_of({"setpoint", "load"});
     o.count("--seed", tuning_.seed, 0, std::numeric_limits<std::uint64_t>::max());

@@ -83,7 +83,6 @@ int Command::execute() {
     if (time_limit_ && !(*time_limit_ > 0 && *time_limit_ <= longest))
       throw std::invalid_argument("--time-limit " + options_["--time-limit"].text() +
                                   ": allowed is above 0 up to 1e9 s");
-    for (const std::string& note : notes_) say(note);
     out_ = io::with_shard(out_, shard_);
     output_.emplace(out_, options_.input_files());
     const int code = run_in_time();

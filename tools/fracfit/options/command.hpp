@@ -43,8 +43,6 @@ class Command {
   /// A note on standard error, unless --quiet; the last one before an exit with no_usable_result is its reason and said
   /// all the same.
   void say(const std::string& message) const;
-  /// A note that is said when the work begins.
-  void add_note(std::string note) { notes_.push_back(std::move(note)); }
   [[nodiscard]] int threads() const { return threads_; }
 
  protected:
@@ -64,7 +62,6 @@ class Command {
   void set_footer(std::string text) { footer_ = std::move(text); }
 
   [[nodiscard]] const std::string& out() const { return out_; }
-  void set_out(std::string path) { out_ = std::move(path); }
   /// As asked for; if not, "table" on a terminal without --out, else that of files.
   [[nodiscard]] virtual std::string format() const;
   [[nodiscard]] std::string command_line() const { return options_.command_line(name_); }
@@ -87,7 +84,6 @@ class Command {
   io::Shard shard_;
   std::string progress_ = "bar";
   std::optional<io::OutputFile> output_;
-  std::vector<std::string> notes_;
 };
 
 /// Subcommands that belong together in --help.

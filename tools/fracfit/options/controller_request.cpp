@@ -86,8 +86,7 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
            "integrates they make the first ones more accurate",
            "N")
       .otherwise("1e9")
-      .only_with(model)
-      .was("--horizon");
+      .only_with(model);
 }
 
 void ControllerRequest::check(const Options& options) const {
@@ -171,31 +170,6 @@ frac::CHeaderOptions CodeRequest::with_comment(const ControllerRequest& request,
     options.comment = filter_comment(std::get<frac::FilterChoice>(design).design, request.model()->formula(), command);
   }
   return options;
-}
-
-std::string CodeRequest::header(const ControllerRequest& request, const ControllerRequest::Design& design,
-                                const std::string& command) const {
-  const frac::CHeaderOptions options = with_comment(request, design, command);
-  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::c_header(*pid, options);
-  return frac::c_header(std::get<frac::FilterChoice>(design).design, options);
-}
-
-frac::FixedPointHeader CodeRequest::fixed_point(const ControllerRequest& request,
-                                                const ControllerRequest::Design& design,
-                                                const frac::FixedPointRanges& ranges,
-                                                const std::string& command) const {
-  const frac::CHeaderOptions options = with_comment(request, design, command);
-  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design))
-    return frac::fixed_point_header(*pid, ranges, options);
-  return frac::fixed_point_header(std::get<frac::FilterChoice>(design).design, ranges, options);
-}
-
-std::vector<frac::NamedText> CodeRequest::arduino_library(const ControllerRequest& request,
-                                                          const ControllerRequest::Design& design,
-                                                          const std::string& command) const {
-  const frac::CHeaderOptions options = with_comment(request, design, command);
-  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::arduino_library(*pid, options);
-  return frac::arduino_library(std::get<frac::FilterChoice>(design).design, options);
 }
 
 }  // namespace fracfit

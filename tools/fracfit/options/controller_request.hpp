@@ -6,10 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "frac/digital/arduino_library.hpp"
 #include "frac/digital/c_header.hpp"
 #include "frac/digital/digital_filter.hpp"
-#include "frac/digital/fixed_point.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "options/model_options.hpp"
 #include "options/options.hpp"
@@ -60,18 +58,20 @@ class CodeRequest {
   /// The options, for a command line.
   [[nodiscard]] std::string words() const;
   [[nodiscard]] std::string name_in_words() const { return " --name " + header_.name; }
-  /// The code of a design.
+  /// What `make` makes of a design and how its code is written.
   /// @param command  command line that makes it again
+  template <typename Make>
+  [[nodiscard]] auto made_by(Make make, const ControllerRequest& request, const ControllerRequest::Design& design,
+                             const std::string& command) const {
+    const frac::CHeaderOptions options = with_comment(request, design, command);
+    if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return make(*pid, options);
+    return make(std::get<frac::FilterChoice>(design).design, options);
+  }
   [[nodiscard]] std::string header(const ControllerRequest& request, const ControllerRequest::Design& design,
-                                   const std::string& command) const;
-  /// @throws std::invalid_argument  as frac::fixed_point_header().
-  [[nodiscard]] frac::FixedPointHeader fixed_point(const ControllerRequest& request,
-                                                   const ControllerRequest::Design& design,
-                                                   const frac::FixedPointRanges& ranges,
-                                                   const std::string& command) const;
-  [[nodiscard]] std::vector<frac::NamedText> arduino_library(const ControllerRequest& request,
-                                                             const ControllerRequest::Design& design,
-                                                             const std::string& command) const;
+                                   const std::string& command) const {
+    return made_by([](const auto& of, const auto& options) { return frac::c_header(of, options); }, request, design,
+                   command);
+  }
 
  private:
   [[nodiscard]] frac::CHeaderOptions with_comment(const ControllerRequest& request,

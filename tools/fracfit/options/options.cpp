@@ -115,7 +115,6 @@ Option::Option(Kind kind, std::string name, const std::string& help, const std::
   const Meaning& meaning = meaning_of(name_);
   type_ = meaning.type;
   help_ = meaning.text + (help.empty() ? "" : "; " + help);
-  if (!meaning.old_name.empty()) was(meaning.old_name);
 }
 
 Option& Option::required() {
@@ -133,11 +132,6 @@ Option& Option::otherwise(std::string text) {
 Option& Option::default_is(std::string in_words) {
   default_.clear();
   default_in_words_ = std::move(in_words);
-  return *this;
-}
-
-Option& Option::was(std::string old_name) {
-  old_names_.push_back(std::move(old_name));
   return *this;
 }
 

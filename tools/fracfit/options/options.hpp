@@ -74,7 +74,6 @@ class Option {
   Option& required();
   Option& otherwise(std::string text);       ///< its default
   Option& default_is(std::string in_words);  ///< told by the help alone, where the default depends on other things
-  Option& was(std::string old_name);         ///< older spelling, accepted with a note for one version
   Option& also(std::string short_name);      ///< such as -o
   Option& one_of(std::vector<std::string> words);
   Option& suggest(std::vector<std::string> words);  ///< words that have a meaning beside other text
@@ -98,7 +97,6 @@ class Option {
   [[nodiscard]] const std::string& type() const { return type_; }
   [[nodiscard]] std::string description() const;
   [[nodiscard]] const std::vector<std::string>& words() const { return words_; }
-  [[nodiscard]] const std::vector<std::string>& old_names() const { return old_names_; }
   [[nodiscard]] const std::string& short_name() const { return short_name_; }
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] bool is_argument() const { return name_.front() != '-'; }
@@ -117,7 +115,7 @@ class Option {
   Kind kind_;
   std::string name_, type_, help_, default_, default_in_words_, short_name_, kind_of_data_;
   std::optional<std::string> said_;
-  std::vector<std::string> words_, old_names_;
+  std::vector<std::string> words_;
   std::vector<Rule> rules_;
   Take take_;
   bool required_ = false, only_words_ = false, or_argument_ = false, names_input_ = false, echoed_ = true;

@@ -29,10 +29,10 @@ Command* find_command(const std::vector<CommandGroup>& groups, const std::string
 Command& command_named(const std::vector<CommandGroup>& groups, const std::string& name) {
   if (Command* found = find_command(groups, name)) return *found;
 #ifndef FRACFIT_HAS_EXPORTS
-  if (name == "export")
-    refuse(
-        "export is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
-        "-DFRACFIT_EXPORTS=ON");
+  if (name == "export" || name == "cluster-script")
+    refuse(name +
+           " is no part of this program, which was built without it; ./tools/check builds it, or cmake with "
+           "-DFRACFIT_EXPORTS=ON");
 #endif
   std::vector<std::string> names;
   for (const auto& group : groups)
@@ -58,14 +58,13 @@ std::string name_in(const std::vector<CommandGroup>& groups, const std::string* 
 // What CLI11 fills for one option: it splits the arguments, and all checks are ours.
 struct Slot {
   Option* option;
-  std::string old_name;  // under which it was given; empty for today's
   std::vector<std::string> texts;
   CLI::Option* flag = nullptr;
 };
 
 void add_slots(CLI::App& app, Option& option, std::deque<Slot>& slots) {
-  const auto add = [&](const std::string& names, const std::string& old_name) {
-    Slot& slot = slots.emplace_back(Slot{&option, old_name, {}});
+  const auto add = [&](const std::string& names) {
+    Slot& slot = slots.emplace_back(Slot{&option, {}});
     if (option.kind() == Option::Kind::flag) {
       slot.flag = app.add_flag(names);
       return;
@@ -75,9 +74,8 @@ void add_slots(CLI::App& app, Option& option, std::deque<Slot>& slots) {
     // Takes one text each time; our own check refuses an option that is given twice.
     added->expected(1)->take_all()->allow_extra_args(false);
   };
-  add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name(), {});
-  for (const std::string& old_name : option.old_names()) add(old_name, old_name);
-  if (option.takes_argument()) add(option.type(), {});
+  add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name());
+  if (option.takes_argument()) add(option.type());
 }
 
 void check_extras(const Command& command, const std::vector<std::string>& extra) {
@@ -86,24 +84,16 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
       std::find_if(extra.begin(), extra.end(), [](const std::string& word) { return word.starts_with('-'); });
   if (unknown == extra.end()) refuse("unexpected argument " + io::quoted(extra.front()), command.name());
   std::vector<std::string> names;
-  for (const Option& option : command.options().all()) {
+  for (const Option& option : command.options().all())
     if (!option.is_argument()) names.push_back(option.name());
-    names.insert(names.end(), option.old_names().begin(), option.old_names().end());
-  }
   const std::string name = unknown->substr(0, unknown->find('='));
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }
 
-void hand_over(Command& command, std::deque<Slot>& slots) {
+void hand_over(std::deque<Slot>& slots) {
   for (Slot& slot : slots) {
     if (slot.flag != nullptr && slot.flag->count() > 0) slot.texts.emplace_back();
     if (slot.texts.empty()) continue;
-    if (!slot.old_name.empty()) {
-      if (slot.option->is_given())
-        refuse(slot.old_name + " is the old name of " + slot.option->name() + "; give one of them", command.name());
-      command.add_note(slot.old_name + " is now " + slot.option->name() +
-                       "; the old name works in this version for the last time");
-    }
     slot.option->given.insert(slot.option->given.end(), slot.texts.begin(), slot.texts.end());
   }
 }
@@ -144,7 +134,7 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
     command.set_words(app.remaining());
   else
     check_extras(command, app.remaining());
-  hand_over(command, slots);
+  hand_over(slots);
   return {&command, {}};
 }
 

@@ -9,7 +9,6 @@ namespace fracfit {
 /// What an option means wherever it occurs.
 struct Meaning {
   std::string name, type, text;
-  std::string old_name{};  ///< an earlier spelling, accepted for one version
 };
 
 /// Meaning of an option of several commands, so that one name has one meaning, unit and type.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Puts a picture that answers in the place of each printed one: values under the pointer, the same point marked in all
-// pictures of one file, zoom, a switch per curve, and the shown data as CSV.  The page is complete without it.
+// Draws the pictures of data, which answer: values under the pointer, the same point marked in all pictures of one file,
+// zoom, a switch per curve, and the shown data as CSV.  Without script the page names the files that show them.
 'use strict';
 (() => {
   const left = 78, right = 16, top = 30, bottom = 54, reach = 40;
@@ -265,13 +265,12 @@
     }
   }
 
-  // One printed picture
+  // One picture
   const linked = new Map();  // panels by the link of their pictures
   document.querySelectorAll('script.figure-data').forEach((script) => {
     const data = JSON.parse(script.textContent), figure = script.parentElement, groups = new Map();
     const live = element('div', figure, {className: 'live'});
-    figure.prepend(...figure.querySelectorAll('.verdict'), live);
-    figure.classList.add('answers');
+    script.before(live);
     const bar = element('div', live, {className: 'bar'}), grid = element('div', live, {className: 'panels'});
     if (!linked.has(data.link)) linked.set(data.link, []);
     data.panels.forEach((panel, index) => {

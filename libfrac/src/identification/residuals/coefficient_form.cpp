@@ -124,15 +124,9 @@ class Expansion {
         return raised(left(), 0.5);
       case Operation::exp:
         return delay(left());
-      case Operation::tanh:
-      case Operation::coth:
-      case Operation::sinh:
-      case Operation::cosh:
-      case Operation::sech:
-      case Operation::log:
-        break;
+      default:
+        throw NoRatio{};
     }
-    throw NoRatio{};
   }
 
   [[nodiscard]] Ratio of_s() const {

@@ -11,11 +11,12 @@
 #include <stdexcept>
 
 #include "base/check.hpp"
+#include "base/impact_law.hpp"
 #include "cycle_frequencies.hpp"
-#include "cycle_harmonics.hpp"
-#include "cycle_stability.hpp"
-#include "excursion.hpp"
 #include "frequency_search.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/excursion.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -56,7 +57,7 @@ SymmetricSearch::SymmetricSearch(const ControlLoop& loop, const LimitCycleOption
     : loop_(&loop), options_(options), response_(gap_response(loop)), range_{} {
   require_range(options.range);
   if (options.harmonics < 1) throw std::invalid_argument("harmonics is less than 1");
-  exchange_ = response_.jump / (1 + loop.system().restitution());
+  exchange_ = speed_per_impulse(response_.jump, loop.system());
   if (options.range) {
     range_ = *options.range;
   } else if (is_closed_form()) {

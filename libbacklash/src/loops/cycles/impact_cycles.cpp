@@ -7,10 +7,11 @@
 #include <stdexcept>
 
 #include "base/check.hpp"
-#include "cycle_equations.hpp"
-#include "cycle_harmonics.hpp"
-#include "cycle_stability.hpp"
-#include "gap_response.hpp"
+#include "base/impact_law.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash {
 namespace {
@@ -109,7 +110,6 @@ std::optional<ImpactCycle> detail::closed_cycle(const ControlLoop& loop, const C
 std::optional<CycleGuess> repeated_pattern(const ControlLoop& loop, const std::vector<LoopImpact>& impacts,
                                            std::size_t most, double tolerance) {
   const TwoMassSystem& system = loop.system();
-  const double impulse_per_speed = (1 + system.restitution()) / (1 / system.mass1() + 1 / system.mass2());
   for (std::size_t n = 1; n <= most && 2 * n + 1 <= impacts.size(); ++n) {
     const std::size_t last = impacts.size() - 1;
     const double period = impacts[last].time - impacts[last - n].time;
@@ -127,8 +127,8 @@ std::optional<CycleGuess> repeated_pattern(const ControlLoop& loop, const std::v
     for (std::size_t a = 0; a < n; ++a) {
       const LoopImpact& impact = impacts[last - n + a];
       const double sign = impact.wall == Wall::far ? 1 : -1;
-      guess.impacts.push_back(
-          {impact.time - impacts[last - n].time, sign * impulse_per_speed * impact.speed, impact.speed});
+      guess.impacts.push_back({impact.time - impacts[last - n].time,
+                               sign * detail::impulse_per_speed(system) * impact.speed, impact.speed});
     }
     return guess;
   }

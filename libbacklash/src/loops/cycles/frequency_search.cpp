@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/check.hpp"
+#include "base/impact_law.hpp"
 #include "cycle_frequencies.hpp"
 #include "special/exact_power.hpp"
 
@@ -23,8 +24,7 @@ double dirichlet_lambda(double p) {
 
 frac::PowerTerm loss(const ControlLoop& loop) {
   const TwoMassSystem& system = loop.system();
-  const double kept = (1 - system.restitution()) / (1 + system.restitution());
-  return {-pi / 4 * (system.mass1() + system.mass2()) * kept, 2};
+  return {-pi / 4 * (system.mass1() + system.mass2()) * loss_ratio(system.restitution()), 2};
 }
 
 }  // namespace

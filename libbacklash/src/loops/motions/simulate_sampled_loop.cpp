@@ -9,7 +9,7 @@
 
 #include "backlash/two_mass_plant.hpp"
 #include "base/check.hpp"
-#include "frequency_search.hpp"
+#include "loops/cycles/frequency_search.hpp"
 
 namespace backlash {
 

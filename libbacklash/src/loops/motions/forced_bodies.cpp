@@ -4,7 +4,7 @@
 #include "base/check.hpp"
 #include "forced_motion.hpp"
 #include "frac/parallel_for.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/gap_response.hpp"
 #include "steady_state/describing_function_point.hpp"
 #include "symmetric_forced_orbit.hpp"
 

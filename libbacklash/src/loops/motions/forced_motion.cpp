@@ -10,10 +10,11 @@
 #include <optional>
 #include <vector>
 
-#include "cycle_equations.hpp"
-#include "cycle_stability.hpp"
+#include "base/impact_law.hpp"
 #include "frac/cancellation.hpp"
 #include "loop_run.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_stability.hpp"
 #include "realised_loop.hpp"
 #include "steady_state/window_mean.hpp"
 
@@ -149,12 +150,11 @@ class Follower {
   [[nodiscard]] std::optional<DescribingFunctionPoint> closed(std::size_t periods, std::size_t count) const {
     const auto turns = static_cast<int>(periods);
     const TwoMassSystem& system = bodies_.system();
-    const double impulse_per_speed = (1 + system.restitution()) / (1 / system.mass1() + 1 / system.mass2());
     const LoopImpact* const first = impacts_.data() + (impacts_.size() - count);
     CycleGuess guess{turns * period(), {}};
     for (std::size_t b = 0; b < count; ++b) {
       const double sign = first[b].wall == Wall::far ? 1 : -1;
-      guess.impacts.push_back({first[b].time - first->time, sign * impulse_per_speed * first[b].speed, 0});
+      guess.impacts.push_back({first[b].time - first->time, sign * impulse_per_speed(system) * first[b].speed, 0});
     }
     if (guess.impacts.back().time >= guess.period || guess.impacts.front().impulse == 0) return std::nullopt;
     const Complex drive = bodies_.drive().response(omega_);

@@ -7,8 +7,8 @@
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/linear_bodies.hpp"
 #include "backlash/loops/simulate_loop.hpp"
-#include "forced_orbits.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/forced_orbits.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash::detail {
 

@@ -10,8 +10,8 @@
 
 #include "base/check.hpp"
 #include "base/spelling.hpp"
-#include "frequency_search.hpp"
 #include "loop_run.hpp"
+#include "loops/cycles/frequency_search.hpp"
 #include "special/reciprocal_gamma.hpp"
 
 namespace backlash {

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "cycle_equations.hpp"
 #include "frac/cancellation.hpp"
+#include "loops/equations/cycle_equations.hpp"
 
 namespace backlash::detail {
 namespace {

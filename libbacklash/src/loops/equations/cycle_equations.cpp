@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.hpp"
+#include "base/impact_law.hpp"
 #include "cycle_harmonics.hpp"
 #include "dense_elimination.hpp"
 
@@ -89,7 +90,7 @@ CycleEquations::CycleEquations(const TwoMassSystem& system, const CycleGuess& gu
     : response_(std::move(response)),
       static_gap_(static_gap),
       half_clearance_(0.5 * system.clearance()),
-      exchange_(response_.jump / (1 + system.restitution())),
+      exchange_(speed_per_impulse(response_.jump, system)),
       count_(guess.impacts.size()) {
   for (const CycleImpact& impact : guess.impacts) walls_.push_back(impact.impulse > 0 ? 1 : -1);
 }

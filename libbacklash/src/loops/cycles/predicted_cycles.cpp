@@ -13,13 +13,14 @@
 #include <utility>
 
 #include "base/check.hpp"
-#include "cycle_equations.hpp"
+#include "base/impact_law.hpp"
 #include "cycle_frequencies.hpp"
-#include "cycle_harmonics.hpp"
-#include "dense_elimination.hpp"
-#include "forced_orbits.hpp"
 #include "frequency_search.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/cycle_equations.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
+#include "loops/equations/dense_elimination.hpp"
+#include "loops/equations/forced_orbits.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash {
 namespace {
@@ -46,8 +47,8 @@ Complex rigid_loop(const ControlLoop& loop, double omega) {
   return loop.measured() == Output::x1 ? -1.0 / nu : 1.0 / (1.0 + mass2 / mass1 * (nu + 1.0));
 }
 
-double kept_loss(const ControlLoop& loop) {
-  return (1 - loop.system().restitution()) / (1 + loop.system().restitution());
+double loss_ratio(const ControlLoop& loop) {
+  return detail::loss_ratio(loop.system().restitution());
 }
 
 // The angle 2 pi (1/2 - share) at which theta/(2 sin theta) is a number above 1/2.
@@ -142,7 +143,7 @@ std::vector<double> grid_of(const ControlLoop& loop, const std::optional<Frequen
 std::vector<double> roots_of(const ControlLoop& loop, const std::function<double(double)>& defect,
                              const std::vector<double>& grid) {
   const auto relative = [&](double omega) {
-    return defect(omega) / (std::abs(rigid_loop(loop, omega)) + kept_loss(loop));
+    return defect(omega) / (std::abs(rigid_loop(loop, omega)) + loss_ratio(loop));
   };
   return detail::roots_on_grid(relative, relative, grid, 1e-14);
 }
@@ -153,14 +154,14 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
   if (!loop.bodies().are_free()) {
     // The masses meet at the speed that the impacts ask for.
     const detail::ImpulseAnswer response = detail::gap_response(loop.bodies());
-    const double exchange = response.jump / (1 + loop.system().restitution());
+    const double exchange = detail::speed_per_impulse(response.jump, loop.system());
     const auto defect = [&](double omega) {
       const double rate = detail::rate_before_impact(response, pi / omega);
       return (rate + detail::ForcedOrbits::impulse_share(omega) * omega * answer_of(loop, omega).imag()) / exchange + 1;
     };
     return detail::roots_on_grid(defect, defect, grid_of(loop, range));
   }
-  const auto off_line = [&](double omega) { return rigid_loop(loop, omega).imag() - pi / 4 * kept_loss(loop); };
+  const auto off_line = [&](double omega) { return rigid_loop(loop, omega).imag() - pi / 4 * loss_ratio(loop); };
   if (loop.measured() == Output::x1 && loop.controller().delay() == 0 && !detail::controller_powers(loop).empty()) {
     frequencies = detail::positive_roots(detail::frequency_equation(loop, detail::Harmonics::first));
     if (range) std::erase_if(frequencies, [&](double omega) { return omega < range->from || omega > range->to; });
@@ -183,7 +184,7 @@ std::vector<PredictedCycle> asymmetric_of_masses(const ControlLoop& loop, const 
   const auto defect = [&](double omega) {
     const Complex at = rigid_loop(loop, omega);
     const double cosine = at.real() > 0.5 ? std::cos(angle_of(at.real())) : 1;
-    return at.imag() - pi / 2 * kept_loss(loop) / (1 + cosine);
+    return at.imag() - pi / 2 * loss_ratio(loop) / (1 + cosine);
   };
   const Predictions predictions(loop);
   std::vector<PredictedCycle> cycles;
@@ -239,7 +240,7 @@ class ShareGrid {
     const std::optional<double> settled = detail::static_gap(loop_, omega);
     const std::array<double, 3> own = train.repeated(period);
     const double half = 0.5 * loop_.system().clearance();
-    const double exchange = response_.jump / (1 + loop_.system().restitution());
+    const double exchange = detail::speed_per_impulse(response_.jump, loop_.system());
     std::vector<Corner> corners;
     for (std::size_t k = first_share; k < last_share; ++k) {
       const std::array<double, 3> later = train.repeated(share(k) * period);
@@ -335,8 +336,7 @@ class BranchCrossings {
         diagram_.parameter == OrbitParameter::clearance ? orbit.parameter : diagram_.system.clearance();
     const double period = 2 * pi * branch.period / omega;
     const TwoMassSystem& system = loop_.system();
-    const double impulse_per_speed = (1 + system.restitution()) / (1 / system.mass1() + 1 / system.mass2());
-    const double scale = impulse_per_speed * system.clearance() * omega / (clearance * orbit.omega);
+    const double scale = detail::impulse_per_speed(system) * system.clearance() * omega / (clearance * orbit.omega);
     CycleGuess guess{period, {}};
     for (const OrbitImpact& impact : orbit.impacts) {
       const double sign = impact.wall == Wall::far ? 1 : -1;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/impact_law.hpp"
 #include "gap_response.hpp"
 
 namespace backlash::detail {
@@ -25,7 +26,7 @@ ForcedOrbits::ForcedOrbits(const LinearBodies& bodies, const ImpulseAnswer& resp
       drive_(bodies.drive().response(omega)) {
   const std::array<Complex, 3> train = ImpulseTrain(response, std::numbers::pi / omega).sums({0, omega});
   position_ = train[0].real();
-  lag_ = -(response.jump / (1 + bodies.system().restitution()) + train[1].real()) / omega;
+  lag_ = -(speed_per_impulse(response.jump, bodies.system()) + train[1].real()) / omega;
   lowest_ = -half_clearance_ * position_ / (position_ * position_ + lag_ * lag_);
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "backlash/loops/limit_cycles.hpp"
-#include "gap_response.hpp"
+#include "loops/equations/gap_response.hpp"
 
 namespace backlash::detail {
 

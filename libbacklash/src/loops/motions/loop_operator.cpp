@@ -7,7 +7,7 @@
 
 #include "formula/power_sum.hpp"
 #include "formula/whole_orders.hpp"
-#include "image_train.hpp"
+#include "loops/equations/image_train.hpp"
 #include "poles/laplace_image.hpp"
 
 namespace backlash::detail {

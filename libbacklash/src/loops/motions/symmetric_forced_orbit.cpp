@@ -5,9 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "cycle_stability.hpp"
-#include "excursion.hpp"
+#include "base/impact_law.hpp"
 #include "forced_motion.hpp"
+#include "loops/equations/cycle_stability.hpp"
+#include "loops/equations/excursion.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -23,7 +24,7 @@ SymmetricForcedOrbit::SymmetricForcedOrbit(const LinearBodies& bodies, const Imp
       asked_force_(force),
       orbits_(bodies, response, omega),
       train_(response, pi / omega),
-      exchange_(response.jump / (1 + bodies.system().restitution())),
+      exchange_(speed_per_impulse(response.jump, bodies.system())),
       orbit_(orbits_.at(force, true)),
       drive_(bodies.drive().response(omega)),
       omega_(omega) {}

@@ -9,8 +9,9 @@
 #include <numbers>
 
 #include "base/eigenvalues.hpp"
+#include "base/impact_law.hpp"
 #include "base/linear_algebra.hpp"
-#include "cycle_harmonics.hpp"
+#include "loops/equations/cycle_harmonics.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -189,7 +190,6 @@ std::optional<ImpactCycle> close_rests(const ControlLoop& loop, const RealisedLo
   cycle.error = std::max(point->error, realised.error());
 
   const TwoMassSystem& system = loop.system();
-  const double impulse_per_speed = (1 + system.restitution()) / (1 / system.mass1() + 1 / system.mass2());
   LoopRun run = map.run_from(point->state);
   const double begin = run.time();
   std::vector<Piece> pieces{{run, 0}};
@@ -201,7 +201,7 @@ std::optional<ImpactCycle> close_rests(const ControlLoop& loop, const RealisedLo
     if (event == LoopRun::Event::impact) {
       const LoopImpact& impact = run.last_impact();
       const double sign = impact.wall == Wall::far ? 1 : -1;
-      cycle.impacts.push_back({impact.time - begin, sign * impulse_per_speed * impact.speed, impact.speed});
+      cycle.impacts.push_back({impact.time - begin, sign * impulse_per_speed(system) * impact.speed, impact.speed});
     }
     if (run.is_in_contact()) cycle.rests.push_back({run.time() - begin, 0, 0});
     if (event == LoopRun::Event::release) {
