@@ -70,7 +70,8 @@ std::vector<CommandGroup> all_commands() {
 #ifdef FRACFIT_HAS_EXPORTS
   groups.push_back(group("Exports", make_export_c99, make_export_arduino, make_export_fmu, make_export_spice));
 #endif
-  groups.push_back(group("Files and shell", make_convert, make_merge, make_cluster_script, make_completion, make_man));
+  groups.push_back(group("Files and shell", make_convert, make_merge, make_describe, make_cluster_script,
+                         make_completion, make_man));
   return groups;
 }
 
