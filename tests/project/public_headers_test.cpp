@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -70,6 +72,69 @@ TEST(PublicHeaders, LongCommentsStandAboveTheirMember) {
       EXPECT_EQ(line.find("///<"), std::string::npos) << header << ":" << number << ": " << line;
     }
   }
+}
+
+/// Members of a struct by its text, from the declarations at its own level.
+std::set<std::string> members_of(const std::string& text) {
+  std::set<std::string> members;
+  std::istringstream lines(std::regex_replace(text, std::regex(R"(//.*)"), ""));
+  const std::regex declaration(R"(^  ([\w:]+(<.*>)?) ([\w ,={}.()-]+);)");
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch found;
+    if (!std::regex_search(line, found, declaration)) continue;
+    std::istringstream names(std::regex_replace(found[3].str(), std::regex(R"( = [^,]*)"), ""));
+    for (std::string name; names >> name;) members.insert(name.substr(0, name.find(',')));
+  }
+  return members;
+}
+
+// A number that a result has and its description does not name is in no output.
+TEST(PublicHeaders, EveryMemberOfADescribedResultIsDescribed) {
+  // Front ends give these a form of their own.
+  const std::set<std::string> exempt = {"FitResult::advice",
+                                        "RankedFit::model",
+                                        "IdentificationResult::advice",
+                                        "IdentificationResult::chosen",
+                                        "IdentificationResult::fractional",
+                                        "IdentificationResult::integer",
+                                        "IdentificationResult::differ_most",
+                                        "IdentificationResult::differ_most_omega",
+                                        "IdentificationResult::next",
+                                        "Finalist::index",
+                                        "JointFitResult::half_width",
+                                        "JointFitResult::priors",
+                                        "JointCurveResult::priors",
+                                        "JointCurveResult::covariance_with_laws",
+                                        "ScenePoint::index",
+                                        "BodiesIdentification::bodies"};
+  std::map<std::string, std::string> structs;
+  std::string descriptions;
+  for (const fs::path& header : public_headers()) {
+    const std::string content = content_of(header);
+    if (header.filename() == "describe.hpp") descriptions += content;
+    for (const std::string& text : structs_of(content)) structs[text.substr(7, text.find_first_of(" {", 7) - 7)] = text;
+  }
+  const std::regex head(R"(ResultOf<(?:Result, )?(\w+)>)"), used(R"(result\.(\w+))");
+  std::size_t described = 0;
+  for (std::size_t begin = descriptions.find("template <"); begin < descriptions.size();) {
+    const std::size_t end = std::min(descriptions.find("\n}\n", begin), descriptions.size());
+    const std::string text = descriptions.substr(begin, end - begin);
+    const std::set<std::string> named = [&] {
+      std::set<std::string> names;
+      for (std::sregex_iterator each(text.begin(), text.end(), used), none; each != none; ++each)
+        names.insert((*each)[1]);
+      return names;
+    }();
+    const std::string before = text.substr(0, text.find("void describe("));
+    for (std::sregex_iterator of(before.begin(), before.end(), head), none; of != none; ++of) {
+      const std::string name = (*of)[1];
+      ++described;
+      for (const std::string& member : members_of(structs[name]))
+        EXPECT_NE(named.contains(member), exempt.contains(name + "::" + member)) << name << "::" << member;
+    }
+    begin = descriptions.find("template <", end);
+  }
+  EXPECT_GT(described, 15U);
 }
 
 }  // namespace

@@ -508,6 +508,31 @@ def test_circuit_in_the_manner_of_impedance_py():
     assert np.array_equal(circuit.predict(mixed)[[1, 2, 0]], circuit.predict(np.sort(mixed)))
 
 
+def test_described_numbers_are_attributes_and_documented(cell):
+    found = command_line.json_of("fit", CELL, "--model", CIRCUIT)
+    kinds = {"flag": bool, "count": int, "number": float, "text": str}
+    for name, kind, meaning, entries in fracfit._fit._fitting.described["FitResult"]:
+        assert name in dir(cell)
+        value = getattr(cell, name)
+        documented = inspect.getdoc(vars(fracfit.FitResult)[name]) if name in vars(fracfit.FitResult) else fracfit.FitResult.__doc__
+        assert documented and (name in vars(fracfit.FitResult) or f"    {name} : " in documented)
+        key = "model" if name == "formula" else name
+        if kind in kinds:
+            assert isinstance(value, kinds[kind])
+            # JSON knows no NaN; a fit does not take the same time twice.
+            assert key == "seconds" or found[key] == (None if value != value else value), name
+
+
+def test_ranking_and_scene_have_what_is_described():
+    ranking = fracfit.identify(EXACT, ["lag", "fractional-lag"])
+    curves = [fracfit.describing_function(np.linspace(20, 35, 8), restitution=0.6, force=40, clearance=0.3).data()]
+    for result in (ranking, fracfit.identify_scene(curves, [40], fixed={"mass1": 1}), ranking.economy):
+        for name, kind, meaning, entries in fracfit._fit._fitting.described[type(result).__name__]:
+            assert hasattr(result, name) and f"    {name} : " in type(result).__doc__
+            for each in getattr(result, name) if entries and kind == "list of objects" and name != "points" else []:
+                assert set(entries.split(", ")) <= set(each)
+
+
 def test_results_pickle(cell):
     again = pickle.loads(pickle.dumps(cell))
     assert again == cell
@@ -522,6 +547,8 @@ def test_results_pickle(cell):
     ):
         again = pickle.loads(pickle.dumps(result))
         assert repr(again) == repr(result)
+    ranking = fracfit.identify(EXACT, ["lag", "fractional-lag"])
+    assert pickle.loads(pickle.dumps(ranking)) == ranking
 
 
 def test_a_start_of_the_model_is_a_start():

@@ -71,7 +71,7 @@ std::vector<CommandGroup> all_commands() {
   groups.push_back(
       group("Exports", make_export_c99, make_export_arduino, make_export_fmu, make_export_spice, make_cluster_script));
 #endif
-  groups.push_back(group("Files and shell", make_convert, make_merge, make_completion, make_man));
+  groups.push_back(group("Files and shell", make_convert, make_merge, make_describe, make_completion, make_man));
   return groups;
 }
 

@@ -16,6 +16,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_cluster_script();
 [[nodiscard]] std::unique_ptr<Command> make_controller();
 [[nodiscard]] std::unique_ptr<Command> make_convert();
+[[nodiscard]] std::unique_ptr<Command> make_describe();
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();
 [[nodiscard]] std::unique_ptr<Command> make_drt();
 [[nodiscard]] std::unique_ptr<Command> make_export_arduino();

@@ -3,7 +3,9 @@
 
 #include <vector>
 
+#include "frac/identification/describe.hpp"
 #include "output/aligned_table.hpp"
+#include "output/described.hpp"
 
 namespace fracfit {
 namespace {
@@ -61,31 +63,7 @@ std::string economy_table(const frac::Economy& economy) {
 }
 
 Json economy_json(const frac::Economy& economy) {
-  std::vector<Json> errors;
-  for (const double error : frac::economy_errors()) errors.emplace_back(error);
-  Json json{{"component", frac::to_string(economy.component)},
-            {"most_parameters", economy.most_parameters},
-            {"rounding", economy.rounding},
-            {"errors", errors},
-            {"verdict", to_string(economy.verdict)},
-            {"sentence", economy.sentence}};
-  json["curves"] = Json::list(economy.curves, [](const frac::EconomyCurve& curve) {
-    Json each{
-        {"name", curve.name}, {"class", to_string(curve.model_class)}, {"description", description(curve.model_class)}};
-    each["needs"] = Json::list(frac::economy_errors(), [&](double error) {
-      const frac::EconomyPoint* const point = curve.within(error);
-      return point ? Json(point->parameters) : Json();
-    });
-    each["points"] = Json::list(curve.points, [](const frac::EconomyPoint& point) {
-      return Json{{"parameters", point.parameters},
-                  {"error", point.error},
-                  {"proven", point.proven},
-                  {"fractional", point.fractional},
-                  {"model", point.model}};
-    });
-    return each;
-  });
-  return json;
+  return json_of(economy);
 }
 
 }  // namespace fracfit

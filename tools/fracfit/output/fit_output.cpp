@@ -6,10 +6,12 @@
 #include <limits>
 #include <map>
 
+#include "frac/identification/describe.hpp"
 #include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
 #include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
+#include "output/described.hpp"
 #include "output/document.hpp"
 #include "output/economy_output.hpp"
 #include "output/fitted_stability.hpp"
@@ -166,31 +168,13 @@ Json parameters_json(const FitRun& run, const frac::FitResult& result) {
 void append_fit(Json& json, const FitRun& run, const frac::FitResult& result) {
   json["model"] = result.model;
   json["parameters"] = parameters_json(run, result);
-  json["cost"] = result.cost;
-  json["rms"] = result.rms;
-  json["gain_factor"] = result.gain_factor;
-  json["max_residual"] = result.max_residual;
-  json["aicc"] = result.aicc;
-  json["bic"] = result.bic;
-  json["termination"] = frac::to_string(result.termination);
+  add_scalars(json, result);
   json["message"] = with_advice(result.message, result.advice);
-  json["residuals"] = result.residuals;
-  json["free_parameters"] = result.free_parameters;
-  json["starts"] = result.starts;
-  json["starts_at_best"] = result.starts_at_best;
-  json["distinct_minima"] = result.distinct_minima;
-  json["confidence_of_optimum"] = result.confidence_of_optimum;
-  json["condition"] = result.condition;
-  json["noise_correlation"] = result.noise_correlation;
-  json["noise_floor"] = result.noise_floor;
-  json["seconds"] = result.seconds;
 }
 
 /// A row of the CSV: no bound, no profile, no bootstrap and no unit.
 void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& derived, std::size_t columns) {
-  cells.emplace_back(derived.name);
-  for (const double value : {derived.value, derived.standard_error, derived.ci95_lower, derived.ci95_upper})
-    cells.emplace_back(value);
+  add_cells(cells, derived, {"name", "value", "standard_error", "ci95_lower", "ci95_upper"});
   for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
   while (cells.size() + 3 < columns) cells.emplace_back(nan);
   cells.emplace_back(std::string{});
@@ -202,35 +186,11 @@ Json stability_json(const frac::FitResult& result) {
   return analysis ? Json(frac::to_string(analysis->stability)) : Json(nullptr);
 }
 
-Json lack_of_fit_json(const frac::LackOfFit& lack) {
-  Json json{{"noise_from", frac::to_string(lack.source)},
-            {"noise", lack.noise},
-            {"misfit", lack.misfit},
-            {"p_value", lack.p_value},
-            {"correlation", lack.correlation},
-            {"correlation_p_value", lack.correlation_p_value},
-            {"adequate", lack.adequate},
-            {"misses", Json::array()}};
-  for (const auto& band : lack.misses) json["misses"].push_back({band.lower, band.upper});
-  return json;
-}
-
 Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {
   if (!finalist) return nullptr;
-  return {{"name", result.ranking.at(finalist->index).name},
-          {"parameters", finalist->parameters},
-          {"prediction_rms", finalist->prediction_rms},
-          {"extrapolation_rms", finalist->extrapolation_rms}};
-}
-
-Json next_measurement_json(const std::optional<frac::NextMeasurement>& next) {
-  if (!next) return nullptr;
-  return {{"lower", next->lower},
-          {"upper", next->upper},
-          {"points", next->points},
-          {"accuracy", next->accuracy},
-          {"relative_accuracy", next->relative_accuracy},
-          {"expected_evidence", next->expected_evidence}};
+  Json json{{"name", result.ranking.at(finalist->index).name}};
+  add_scalars(json, *finalist);
+  return json;
 }
 
 // Points of the data read by their index: those left out, and those whose residuals stand out of the fit's.
@@ -255,9 +215,7 @@ Json left_out_json(const FitRun& run) {
 
 void append_statistics(Json& json, const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const auto& estimate = result.parameters[i];
     Json& parameter = json["parameters"][i];
-    parameter["centre"] = {{"value", estimate.centre_value}, {"standard_error", estimate.centre_standard_error}};
     if (!statistics.profile.empty()) {
       const auto& profile = statistics.profile[i];
       parameter["profile_ci95"] = profile ? Json{profile->lower, profile->upper} : Json();
@@ -269,10 +227,9 @@ void append_statistics(Json& json, const FitRun& run, const frac::FitResult& res
       parameter["bootstrap_standard_error"] = bootstrap.standard_error;
     }
   }
-  json["centre_omega"] = result.centre_omega;
   json["correlation"] = statistics.correlation;
   json["outliers"] = outliers_json(run, result, statistics);
-  json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
+  json["lack_of_fit"] = json_of(statistics.lack_of_fit);
   json["whiteness"] = {{"lag_one_correlation", statistics.whiteness.lag_one_correlation},
                        {"p_value", statistics.whiteness.p_value}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
@@ -422,10 +379,8 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
       return;
     }
     const auto& parameter = result.parameters[i];
-    cells.emplace_back(parameter.name);
-    for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
-      cells.emplace_back(value);
-    for (const bool flag : {parameter.identified, parameter.at_bound, parameter.fixed}) cells.emplace_back(flag);
+    add_cells(cells, parameter,
+              {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"});
     if (!statistics.profile.empty()) {
       const auto profile = statistics.profile[i].value_or(frac::ProfileInterval{nan, nan, false});
       for (const double value : {profile.lower, profile.upper}) cells.emplace_back(value);
@@ -435,7 +390,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
       for (const double value : {bootstrap.lower, bootstrap.upper, bootstrap.standard_error}) cells.emplace_back(value);
     }
     cells.emplace_back(units.of(parameter.name));
-    for (const double limit : {parameter.lower_limit, parameter.upper_limit}) cells.emplace_back(limit);
+    add_cells(cells, parameter, {"lower_limit", "upper_limit"});
   };
   return text_of(document, "csv", run.command);
 }
@@ -454,13 +409,10 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& candidate = result.ranking[i];
     const auto& fit = candidate.fit;
-    cells.emplace_back(candidate.name);
-    cells.emplace_back(std::string(frac::to_string(candidate.model_class)));
-    cells.emplace_back(fit.model);
-    cells.emplace_back(static_cast<std::int64_t>(fit.free_parameters));
-    for (const double value : {fit.cost, fit.rms, fit.aicc, fit.bic, candidate.delta_aicc, candidate.akaike_weight})
-      cells.emplace_back(value);
-    cells.emplace_back(std::string(frac::to_string(fit.termination)));
+    add_cells(cells, candidate, {"name", "class"});
+    add_cells(cells, fit, {"model", "free_parameters", "cost", "rms", "aicc", "bic"});
+    add_cells(cells, candidate, {"delta_aicc", "akaike_weight"});
+    add_cells(cells, fit, {"termination"});
     if (!prediction_rms.empty()) cells.emplace_back(prediction_rms[i]);
   };
   return text_of(document, "csv", run.command);
@@ -472,11 +424,8 @@ std::string fit_json(const FitRun& run, const frac::FitResult& result, const Fit
   if (!run.law.empty()) json["law"] = run.law;
   json["stability"] = run.law.empty() ? stability_json(result) : Json(nullptr);
   append_statistics(json, run, result, statistics);
-  if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
-  if (!result.priors.empty()) {
-    json["effective_parameters"] = result.effective_parameters;
-    append_priors(json["priors"] = Json::array(), result.priors);
-  }
+  if (!statistics.derived.empty()) json["derived"] = json_of(statistics.derived);
+  if (!result.priors.empty()) json["priors"] = json_of(result.priors);
   return json.dump() + "\n";
 }
 
@@ -485,27 +434,22 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   Json json = origin_of_fit(run);
   json["ranking"] = Json::array();
   for (const auto& candidate : result.ranking) {
-    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}, {"also", candidate.also}};
+    Json ranked = Json::object();
+    add_scalars(ranked, candidate);
+    ranked["also"] = candidate.also;
     append_fit(ranked, run, candidate.fit);
-    ranked["delta_aicc"] = candidate.delta_aicc;
-    ranked["akaike_weight"] = candidate.akaike_weight;
-    ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);
+    ranked["lack_of_fit"] = json_of(candidate.lack_of_fit);
     if (!prediction_rms.empty()) ranked["prediction_rms"] = prediction_rms[json["ranking"].size()];
     json["ranking"].push_back(std::move(ranked));
   }
   json["chosen"] = result.ranking.at(result.chosen).name;
   json["stability"] = stability_json(result.ranking.at(result.chosen).fit);
-  json["verdict"] = frac::to_string(result.verdict);
-  json["evidence"] = result.evidence;
-  json["departure_evidence"] = result.departure_evidence;
+  add_scalars(json, result);
   json["verdict_sentence"] = with_advice(result.verdict_sentence, result.advice);
-  json["log10_odds"] = result.log10_odds;
   json["fractional"] = finalist_json(result, result.fractional);
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
-  json["model_error"] = result.model_error;
-  json["noise_floor"] = result.noise_floor;
-  json["next_measurement"] = next_measurement_json(result.next);
+  json["next_measurement"] = json_of(result.next);
   json["economy"] = run.economy ? economy_json(*run.economy) : Json();
   json["skipped"] = result.skipped;
   return json.dump() + "\n";

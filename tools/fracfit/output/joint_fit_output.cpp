@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <complex>
 
+#include "frac/identification/describe.hpp"
 #include "io/number.hpp"
 #include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
+#include "output/described.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
 #include "output/parameter_output.hpp"
@@ -192,12 +194,11 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& [curve, parameter] = rows[i];
     cells.emplace_back(curve);
-    cells.emplace_back(parameter.name);
-    for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
-      cells.emplace_back(value);
-    for (const bool flag : {parameter.identified, parameter.at_bound, curve.empty()}) cells.emplace_back(flag);
+    add_cells(cells, parameter,
+              {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound"});
+    cells.emplace_back(curve.empty());
     cells.emplace_back(units.of(parameter.name));
-    for (const double limit : {parameter.lower_limit, parameter.upper_limit}) cells.emplace_back(limit);
+    add_cells(cells, parameter, {"lower_limit", "upper_limit"});
   };
   return text_of(document, "csv", run.command);
 }
@@ -319,30 +320,15 @@ std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& resu
                                             {"points", run.curves[c].points},
                                             {"header", object_of(run.curves[c].header)},
                                             {"parameters", Json::list(curve.parameters, with_unit)},
-                                            {"covariance", curve.covariance},
-                                            {"residuals", curve.residuals},
-                                            {"rms", curve.rms},
-                                            {"rms_alone", curve.rms_alone},
-                                            {"max_residual", curve.max_residual},
-                                            {"noise", curve.noise}});
-    if (!run.derived.empty()) entry["derived"] = derived_json(derived_of(run, result, curve));
+                                            {"covariance", curve.covariance}});
+    add_scalars(entry, curve);
+    if (!run.derived.empty()) entry["derived"] = json_of(derived_of(run, result, curve));
   }
-  json["cost"] = result.cost;
-  json["residuals"] = result.residuals;
-  json["free_parameters"] = result.free_parameters;
-  json["starts"] = result.starts;
-  json["starts_at_best"] = result.starts_at_best;
-  json["sharing_p_value"] = result.sharing_p_value;
-  json["condition"] = result.condition;
-  if (!priors_of(result).empty()) {
-    json["effective_parameters"] = result.effective_parameters;
-    Json& priors = json["priors"] = Json::array();
-    append_priors(priors, result.priors);
-    for (const auto& curve : result.curves) append_priors(priors, curve.priors, curve.name);
-  }
-  json["termination"] = frac::to_string(result.termination);
-  json["message"] = result.message;
-  json["seconds"] = result.seconds;
+  add_scalars(json, result);
+  if (priors_of(result).empty()) return json.dump() + "\n";
+  Json& priors = json["priors"] = json_of(result.priors);
+  for (const auto& curve : result.curves)
+    for (const auto& each : curve.priors) priors.push_back(json_of(each))["curve"] = curve.name;
   return json.dump() + "\n";
 }
 

@@ -6,10 +6,13 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
+#include "backlash/loops/describe.hpp"
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
+#include "output/described.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
 
@@ -59,7 +62,9 @@ struct ListedCycle {
   [[nodiscard]] double amplitude_x1() const { return std::abs(harmonics.front().x1); }
   [[nodiscard]] double amplitude_x2() const { return std::abs(harmonics.front().x2); }
   [[nodiscard]] double amplitude_force() const { return std::abs(harmonics.front().force); }
-  [[nodiscard]] bool has_count() const { return further == nullptr || !has_chatter(*further); }
+  [[nodiscard]] std::optional<std::size_t> impacts_per_period() const {
+    return further == nullptr || !has_chatter(*further) ? std::optional(impacts) : std::nullopt;
+  }
   [[nodiscard]] double multiplier_modulus() const { return std::abs(stability.dominant); }
 };
 
@@ -89,30 +94,6 @@ std::vector<const ListedCycle*> by_frequency(const std::vector<ListedCycle>& lis
   return sorted;
 }
 
-Json harmonics_json(const std::vector<backlash::CycleHarmonic>& harmonics) {
-  Json all = Json::array();
-  const auto phasor = [](std::complex<double> value) { return Json{value.real(), value.imag()}; };
-  for (const backlash::CycleHarmonic& harmonic : harmonics) {
-    all.push_back({{"order", harmonic.order},
-                   {"x1", phasor(harmonic.x1)},
-                   {"x2", phasor(harmonic.x2)},
-                   {"force", phasor(harmonic.force)}});
-  }
-  return all;
-}
-
-Json prediction_json(const backlash::PredictedCycle& predicted) {
-  return {{"omega", predicted.omega},
-          {"force", predicted.force_amplitude},
-          {"stable", predicted.stable},
-          {"third_harmonic", predicted.third_harmonic},
-          {"second_harmonic", predicted.second_harmonic},
-          {"symmetric", predicted.symmetric},
-          {"impacts", predicted.impacts},
-          {"force_periods", predicted.period},
-          {"admissible", predicted.admissible}};
-}
-
 // What the describing function says of the cycle; null where it says nothing.
 Json comparison_json(const ListedCycle& cycle) {
   if (cycle.predicted == nullptr) return {};
@@ -121,45 +102,43 @@ Json comparison_json(const ListedCycle& cycle) {
             {"force", predicted.force_amplitude},
             {"relative_error_omega", predicted.omega / predicted.period / cycle.omega - 1},
             {"relative_error_force", predicted.force_amplitude / cycle.amplitude_force() - 1}};
-  json.update(prediction_json(predicted));
+  json.update(json_of(predicted));
   return json;
 }
 
-Json cycle_json(const ListedCycle& cycle) {
+template <frac::ResultOf<ListedCycle> Result, class Visit>
+void describe(Result& cycle, const Visit& visit) {
   const backlash::CycleStability& stability = cycle.stability;
-  Json json{{"omega", cycle.omega},
-            {"symmetric", cycle.symmetric},
-            {"impacts_per_period", cycle.has_count() ? Json(cycle.impacts) : Json()},
-            {"admissible", cycle.admissible},
-            {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
-            {"stable", stability.stable},
-            {"multiplier_modulus", cycle.multiplier_modulus()},
-            {"multiplier_per", cycle.multiplier_per},
-            {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
-            {"unstable_multipliers", stability.unstable_multipliers},
-            {"loss", backlash::to_string(stability.loss)},
-            {"impulse", cycle.impulse},
-            {"impact_speed", cycle.impact_speed},
-            {"amplitude_x1", cycle.amplitude_x1()},
-            {"amplitude_x2", cycle.amplitude_x2()},
-            {"amplitude_force", cycle.amplitude_force()},
-            {"harmonics", harmonics_json(cycle.harmonics)},
-            {"describing_function", comparison_json(cycle)}};
+  visit("omega", "rad/s", "angular frequency, exact", cycle.omega);
+  visit("symmetric", "", "the second half is the mirror image of the first", cycle.symmetric);
+  visit("impacts_per_period", "1", "none where they have no count", cycle.impacts_per_period());
+  visit("admissible", "", "the masses stay off the walls between the impacts", cycle.admissible);
+  visit("reason", "", "why it is no motion, where it is none",
+        cycle.admissible ? std::nullopt : std::optional(cycle.reason));
+  visit("stable", "", "disturbances die out", stability.stable);
+  visit("multiplier_modulus", "1", "of the largest multiplier", cycle.multiplier_modulus());
+  visit("multiplier_per", "", "period or half-period", std::string(cycle.multiplier_per));
+  visit("multiplier", "1", "largest", stability.dominant);
+  visit("unstable_multipliers", "1", "their number", stability.unstable_multipliers);
+  visit("loss", "", "how stability is lost", stability.loss);
+  visit("impulse", "N s", "of the first impact", cycle.impulse);
+  visit("impact_speed", "m/s", "of the first impact", cycle.impact_speed);
+  visit("amplitude_x1", "m", "peak of the fundamental of mass 1", cycle.amplitude_x1());
+  visit("amplitude_x2", "m", "peak of the fundamental of mass 2", cycle.amplitude_x2());
+  visit("amplitude_force", "N", "peak of the fundamental of the force", cycle.amplitude_force());
+  visit("harmonics", "", "harmonics of the motion, see cycle-harmonic", cycle.harmonics);
+}
+
+Json cycle_json(const ListedCycle& cycle) {
+  Json json = json_of(cycle);
+  json["describing_function"] = comparison_json(cycle);
   if (cycle.further == nullptr) return json;
-  Json impacts = Json::array();
-  for (const backlash::CycleImpact& impact : cycle.further->impacts) {
-    impacts.push_back({{"time", impact.time}, {"impulse", impact.impulse}, {"speed", impact.speed}});
-  }
-  Json rests = Json::array();
-  for (const backlash::CycleRest& rest : cycle.further->rests) {
-    rests.push_back({{"time", rest.time}, {"duration", rest.duration}, {"impulse", rest.impulse}});
-  }
   json.update({{"period", cycle.further->period},
                {"middle", cycle.further->middle},
                {"error", cycle.further->error},
-               {"impacts", std::move(impacts)},
+               {"impacts", json_of(cycle.further->impacts)},
                {"rests_per_period", cycle.further->rests.size()},
-               {"rests", std::move(rests)}});
+               {"rests", json_of(cycle.further->rests)}});
   return json;
 }
 
@@ -199,8 +178,7 @@ Json loop_json(const LoopCycles& loop) {
   Json& cycles = json["cycles"] = Json::array();
   for (const ListedCycle* cycle : by_frequency(listed)) cycles.push_back(cycle_json(*cycle));
   if (!loop.settled.motions.empty()) json["motions"] = motions_json(loop);
-  Json& predictions = json["predictions"] = Json::array();
-  for (const backlash::PredictedCycle& predicted : loop.predicted) predictions.push_back(prediction_json(predicted));
+  json["predictions"] = json_of(loop.predicted);
   return json;
 }
 
@@ -423,6 +401,14 @@ std::string remark_on(const ListedCycle& cycle, bool alone) {
 
 }  // namespace
 
+std::vector<frac::NumberDescription> described_limit_cycle(bool flat) {
+  const std::string reason;
+  const backlash::CycleStability stability{};
+  const std::vector<backlash::CycleHarmonic> harmonics(1);
+  return frac::described_numbers(
+      flat, ListedCycle{0, false, 0, false, reason, stability, "", 0, 0, harmonics, nullptr, nullptr});
+}
+
 // A rest begins with no impact then, or with the last one that was followed.
 bool has_chatter(const backlash::ImpactCycle& cycle) {
   return std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
@@ -471,25 +457,25 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
     head.emplace_back("rigid_loop", std::string(frac::to_string(first.rigid.stability)));
     head.emplace_back("certain", first.exact.certain ? "true" : "false");
   }
-  return text_of({head,
-                  {columns, rows.size(),
-                   [&](std::size_t i, std::vector<Cell>& cells) {
-                     const auto& [loop, cycle] = rows[i];
-                     for (const auto& [name, value] : loop->varied) {
-                       const auto parsed = io::parse_number(value);
-                       cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
-                     }
-                     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-                     const backlash::PredictedCycle* predicted = cycle->predicted;
-                     cells.insert(cells.end(),
-                                  {cycle->omega, cycle->symmetric,
-                                   cycle->has_count() ? Cell(static_cast<std::int64_t>(cycle->impacts)) : Cell(none),
-                                   cycle->admissible, cycle->stability.stable, cycle->multiplier_modulus(),
-                                   cycle->impulse, cycle->impact_speed, cycle->amplitude_x1(), cycle->amplitude_x2(),
-                                   cycle->amplitude_force(), predicted ? predicted->omega : none,
-                                   predicted ? predicted->force_amplitude : none, cycle->reason});
-                   }}},
-                 "csv", command);
+  return text_of(
+      {head,
+       {columns, rows.size(),
+        [&](std::size_t i, std::vector<Cell>& cells) {
+          const auto& [loop, cycle] = rows[i];
+          for (const auto& [name, value] : loop->varied) {
+            const auto parsed = io::parse_number(value);
+            cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
+          }
+          constexpr double none = std::numeric_limits<double>::quiet_NaN();
+          const backlash::PredictedCycle* predicted = cycle->predicted;
+          cells.insert(
+              cells.end(),
+              {cycle->omega, cycle->symmetric, cycle->impacts_per_period() ? cell_of(cycle->impacts) : Cell(none),
+               cycle->admissible, cycle->stability.stable, cycle->multiplier_modulus(), cycle->impulse,
+               cycle->impact_speed, cycle->amplitude_x1(), cycle->amplitude_x2(), cycle->amplitude_force(),
+               predicted ? predicted->omega : none, predicted ? predicted->force_amplitude : none, cycle->reason});
+        }}},
+      "csv", command);
 }
 
 namespace {

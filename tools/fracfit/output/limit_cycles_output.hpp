@@ -8,6 +8,7 @@
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
+#include "frac/describe.hpp"
 #include "frac/stability.hpp"
 #include "io/text_table.hpp"
 
@@ -22,6 +23,9 @@ struct LoopCycles {
   backlash::ImpactCycles settled = {};  // what motions from seeded starts come to
   io::Metadata varied = {};             // name and value of a quantity that changes from loop to loop
 };
+
+/// The numbers of a cycle, as JSON has them.
+[[nodiscard]] std::vector<frac::NumberDescription> described_limit_cycle(bool flat);
 
 /// Impacts follow each other without end before a rest, so that they have no count.
 [[nodiscard]] bool has_chatter(const backlash::ImpactCycle& cycle);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frac/identification/describe.hpp"
 #include "frac/parameter_units.hpp"
 #include "io/unit_name.hpp"
+#include "output/described.hpp"
 
 namespace fracfit {
 
@@ -76,32 +78,10 @@ std::string with_advice(std::string message, const std::vector<frac::Advice>& ad
 }
 
 Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units) {
-  Json json{{"name", parameter.name},
-            {"value", parameter.value},
-            {"standard_error", parameter.standard_error},
-            {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
-            {"interval", frac::to_string(parameter.interval)},
-            {"widening", parameter.widening},
-            {"identified", parameter.identified},
-            {"at_bound", parameter.at_bound},
-            {"fixed", parameter.fixed},
-            {"limits", {parameter.lower_limit, parameter.upper_limit}}};
+  Json json = json_of(parameter);
   Json& unit = json["unit"] = nullptr;
   if (const std::string found = units.of(parameter.name); !found.empty()) unit = found;
   return json;
-}
-
-void append_priors(Json& list, const std::vector<frac::PriorEstimate>& priors, const std::string& curve) {
-  for (const auto& each : priors) {
-    Json& entry = list.push_back({{"name", each.name},
-                                  {"value", each.prior.value},
-                                  {"deviation", each.prior.deviation},
-                                  {"relative", each.prior.relative},
-                                  {"distance", each.distance},
-                                  {"conflict", each.conflict},
-                                  {"share", each.share}});
-    if (!curve.empty()) entry["curve"] = curve;
-  }
 }
 
 std::string prior_text(const frac::PriorEstimate& prior) {
@@ -120,16 +100,6 @@ std::string prior_table(const std::vector<frac::PriorEstimate>& priors) {
   return table.text() +
          "Estimates are off in standard deviations of the prior, data in those of both; beyond 2.6 they contradict "
          "it.\n\n";
-}
-
-Json derived_json(const std::vector<frac::DerivedEstimate>& derived) {
-  return Json::list(derived, [](const auto& each) {
-    return Json{{"name", each.name},
-                {"formula", each.formula},
-                {"value", each.value},
-                {"standard_error", each.standard_error},
-                {"ci95", {each.ci95_lower, each.ci95_upper}}};
-  });
 }
 
 std::string derived_table(const std::vector<frac::DerivedEstimate>& derived) {

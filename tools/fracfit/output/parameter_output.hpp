@@ -61,14 +61,11 @@ class ParameterUnits {
 [[nodiscard]] std::string remark_on_limits(const std::vector<frac::ParameterEstimate>& estimates);
 [[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units);
 
-/// @param curve  that the priors are of; empty where they are of no single one
-void append_priors(Json& list, const std::vector<frac::PriorEstimate>& priors, const std::string& curve = {});
 /// "a = 0.5 +- 0.1" or "R1 = 10 +- 5 %".
 [[nodiscard]] std::string prior_text(const frac::PriorEstimate& prior);
 /// A table, or nothing where there are none.
 [[nodiscard]] std::string prior_table(const std::vector<frac::PriorEstimate>& priors);
 
-[[nodiscard]] Json derived_json(const std::vector<frac::DerivedEstimate>& derived);
 /// One line each, below the name of the table; empty where there are none.
 [[nodiscard]] std::string derived_table(const std::vector<frac::DerivedEstimate>& derived);
 

@@ -9,11 +9,12 @@ import numpy as np
 
 from ._arrays import complex_array, count, mapping, text
 from ._data import FrequencyResponse
-from ._fit import _fitting
+from ._fit import _described, _fitting
 from ._model import _Record
 from ._text import html_table
 
 
+@_described("Economy")
 class Economy(_Record):
     """What each class of models reaches with how many parameters, on data without noise.
 
@@ -22,23 +23,6 @@ class Economy(_Record):
 
     Attributes
     ----------
-    component : str
-        imaginary, real or both.
-    most_parameters : int
-        As many as were asked for, or as the data can tell, less one.
-    errors : list of float
-        What `needs` is about: 0.01, 0.001 and 0.0001.
-    rounding : float
-        Errors below it are rounding.
-    verdict : str
-        fractional-cheaper, integer-cheaper, equal, depends-on-error or neither.
-    sentence : str
-        The verdict in words.
-    curves : list of dict
-        One for each class, and one for each curve given: name, class, description, needs, and points, which is a list
-        of dicts by number of parameters, each of less error than all before: parameters, error, proven (the least of
-        all beyond doubt, else the least found, which suffices), fractional (an order is not whole), and model, a formula
-        with its numbers.
     """
 
     @property

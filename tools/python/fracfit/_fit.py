@@ -8,7 +8,7 @@ import math
 import re
 import warnings
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -34,10 +34,31 @@ _REMEDIES = {
 }
 
 
+# What the compiled part calls the kinds of numbers.
+_KINDS = {"flag": "bool", "count": "int", "number": "float", "text": "str", "object": "dict"}
+
+
+def _described(result: str) -> Callable[[type], type]:
+    """Puts the numbers of a result, as the compiled part describes them, before the attributes in a docstring."""
+
+    def described(made: type) -> type:
+        told = ""
+        for name, kind, meaning, entries in _fitting.described[result]:
+            meaning = re.sub(", see [a-z-]+", f": {entries}" if entries else "", meaning)
+            if not hasattr(made, name):
+                told += f"    {name} : {re.sub('[a-z]+', lambda word: _KINDS.get(word[0].rstrip('s'), word[0]), kind)}\n"
+                told += f"        {meaning[0].upper()}{meaning[1:]}.\n"
+        made.__doc__ = (made.__doc__ or "").replace("    ----------\n", "    ----------\n" + told, 1)
+        return made
+
+    return described
+
+
 def _with_advice(sentence: str, advice: Sequence[tuple[str, list[str]]]) -> str:
     return " ".join([sentence, *(_REMEDIES[remedy].format(*parameters) for remedy, parameters in advice)])
 
 
+@_described("FitResult")
 class FitResult:
     """A structure fitted to data.
 
@@ -45,22 +66,10 @@ class FitResult:
 
     Attributes
     ----------
-    formula, termination : str
-        What was fitted and whether the search converged.
     component : str or None
         Part of a response that was fitted.
-    cost, rms, max_residual, aicc, bic : float
-        Of the weighted residuals.
-    residuals, free_parameters, starts, starts_at_best : int
-        Counts.
-    confidence_of_optimum, condition, noise_floor, noise_correlation, gain_factor : float
-        How sure the optimum is, the condition of the Fisher matrix, and what the residuals tell of the noise.
-    outliers : list of int
-        Points whose residual exceeds five robust standard deviations.
     left_out : list of int
         Points that contradict their neighbours on both sides and were not fitted, see the option ``outliers`` of `fit`.
-    priors : list of dict
-        What became of each prior: name, value, deviation, relative, distance, conflict and share.
     growth : dict or None
         After ``grow``: the structures tried (fits), which was chosen, and the reason why it went no further.
     law : str or None
@@ -96,6 +105,9 @@ class FitResult:
         if name.startswith("_") or name not in self._values:
             raise AttributeError(f"a fit result has no attribute {name!r}")
         return self._values[name]
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._values})
 
     @property
     def usable(self) -> bool:
@@ -246,9 +258,7 @@ class FitResult:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, FitResult):
             return NotImplemented
-        skipped = {"seconds"}
-        mine, others = self._values, other._values
-        return mine.keys() == others.keys() and all(_alike(mine[key], others[key]) for key in mine if key not in skipped)
+        return _equal(self._values, other._values)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -495,31 +505,20 @@ def batch(
     return BatchResult(results, errors)
 
 
+@_described("Identification")
 class Identification(_Record):
     """Structures ranked on the same data, and what the data say of fractional orders.
 
     Attributes
     ----------
-    verdict : str
-        supported, not-supported, undecided or no-adequate-model.
-    verdict_sentence : str
-        The verdict in words.
-    evidence, log10_odds : float
-        For a fractional model.  The odds allow that both models compared are far from the truth, so that they end at
-        39 to 1, or 3 to 1 where undecided.
-    ranking : list of dict
-        Best first: name, model_class, fit (`FitResult`), delta_aicc, akaike_weight, adequate, misfit.
     chosen : int
         Index of the simplest that is as good as the best.
     next_measurement : tuple or None
         Where undecided, what would decide: from and to (rad/s), and how many points.
     next_accuracy, next_evidence : float or None
         Of that measurement: standard deviation of a weighted residual that it needs, and the evidence to expect.
-    noise_floor : float
-        Of weight ``"learned"``, which all candidates share: below it the noise is additive; 0 if there is none.
     advice : list of tuple
         Of the verdict: what would help, as the sentence says it, and the parameters concerned.
-    skipped : list of str
     left_out : list of int
         Points that contradict their neighbours on both sides and were left out.
     component : str or None
@@ -743,19 +742,15 @@ def tune(
     return Tuning(_fitting.tune(model._tf, specification, options))
 
 
+@_described("SceneIdentification")
 class SceneIdentification(_Record):
     """Masses, clearance and restitution from measured describing functions.
 
     Attributes
     ----------
-    parameters, combinations : list of dict
-        Estimates with name, unit, value, standard_error, ci95_lower, ci95_upper, fixed, at_bound, identified.
-    free_directions : list of str
-        What the data leave free, a sentence each.
     curve, omega, used, response : ndarray
         Of each point: which curve it is of, its frequency, whether it was used, and the fitted value.
     usable : bool
-    message : str
     """
 
     def __getitem__(self, name: str) -> float:
@@ -1025,11 +1020,3 @@ def _remark(parameter: Mapping[str, Any]) -> str:
     if parameter["at_bound"]:
         return "at bound"
     return "" if parameter["identified"] else "not identified"
-
-
-def _alike(a: Any, b: Any) -> bool:
-    if isinstance(a, dict) and isinstance(b, dict):
-        return a.keys() == b.keys() and all(_alike(a[key], b[key]) for key in a)
-    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
-        return len(a) == len(b) and all(map(_alike, a, b))
-    return _equal(a, b)

@@ -7,6 +7,9 @@ from ._core import TransferFunction
 
 Dict = dict[str, Any]
 
+# (attribute, kind, meaning, keys of its entries) of each number of a result.
+described: dict[str, list[tuple[str, str, str, str]]]
+
 class Fitted:
     def as_dict(self) -> Dict: ...
     def notes(self) -> list[str]: ...

@@ -7,10 +7,12 @@
 #include <variant>
 
 #include "arrays.hpp"
+#include "described.hpp"
 #include "fit_request.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/identification/component_power_law.hpp"
 #include "frac/identification/derived.hpp"
+#include "frac/identification/describe.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/outliers.hpp"
@@ -110,7 +112,7 @@ Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& 
 
 // Plain values, as Python keeps them.
 py::dict dict_of_fitted(const Fitted& fit) {
-  py::dict result = dict_of(fit.result);
+  py::dict result = dict_of_fit(fit.result);
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
   result["left_out"] = fit.left_out;
@@ -119,7 +121,7 @@ py::dict dict_of_fitted(const Fitted& fit) {
   result["growth"] = py::none();
   if (fit.growth) {
     py::list fits;
-    for (const auto& each : fit.growth->fits) fits.append(dict_of(each));
+    for (const auto& each : fit.growth->fits) fits.append(dict_of_fit(each));
     result["growth"] = py::dict(py::arg("chosen") = fit.growth->chosen, py::arg("reason") = fit.growth->reason,
                                 py::arg("fits") = fits);
   }
@@ -222,15 +224,9 @@ py::list bootstrap(const py::dict& data, const py::dict& given, const py::dict& 
 
 py::dict lack_of_fit(const py::dict& data, const py::dict& given, const py::dict& fit) {
   const frac::FitResult result = fit_result_from(fit);
-  const auto found = on_data(
-      data, given, [&](const auto& points, const auto& options) { return frac::lack_of_fit(points, options, result); });
-  py::dict dict;
-  dict["adequate"] = found.adequate;
-  dict["noise"] = found.noise;
-  dict["misfit"] = found.misfit;
-  dict["p_value"] = found.p_value;
-  dict["correlation"] = found.correlation;
-  return dict;
+  return dict_of(on_data(data, given, [&](const auto& points, const auto& options) {
+    return frac::lack_of_fit(points, options, result);
+  }));
 }
 
 py::dict derive(const py::dict& fit, const std::string& definition) {
@@ -238,15 +234,7 @@ py::dict derive(const py::dict& fit, const std::string& definition) {
   std::vector<std::string> names;
   for (const auto& each : result.parameters) names.push_back(each.name);
   const std::vector<frac::DerivedQuantity> quantity{{definition, names}};
-  const frac::DerivedEstimate found = frac::derived_estimates(result, quantity).front();
-  py::dict dict;
-  dict["name"] = found.name;
-  dict["formula"] = found.formula;
-  dict["value"] = found.value;
-  dict["standard_error"] = found.standard_error;
-  dict["ci95_lower"] = found.ci95_lower;
-  dict["ci95_upper"] = found.ci95_upper;
-  return dict;
+  return dict_of(frac::derived_estimates(result, quantity).front());
 }
 
 Complexes fitted_response(const py::dict& fit, const py::dict& realisation, const Reals& omega) {
@@ -269,6 +257,7 @@ py::array response_deviation(const py::dict& fit, const py::dict& realisation, c
 }  // namespace
 
 void add_fit(py::module_& module) {
+  module.attr("described")["FitResult"] = attributes_of<frac::FitResult>();
   py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted).def("notes", [](const Fitted& fit) {
     return fit.notes;
   });

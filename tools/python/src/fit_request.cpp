@@ -9,8 +9,22 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "described.hpp"
 #include "frac/identification/constraints.hpp"
+#include "frac/identification/describe.hpp"
 #include "realisation_choice.hpp"
+
+namespace frac {
+
+// For python::read().
+static void from_text(const std::string& text, FitTermination& value) {
+  value = fit_termination_from_string(text);
+}
+static void from_text(const std::string& text, IntervalKind& value) {
+  value = interval_kind_from_string(text);
+}
+
+}  // namespace frac
 
 namespace python {
 namespace {
@@ -35,74 +49,6 @@ std::string text_of(const py::dict& given, const char* key) {
   std::string text;
   take(text, given, key);
   return text;
-}
-
-// Calls visit(name, member) for each member that is a plain value, of a const result or of one to be filled.
-template <typename Estimate, typename Visit>
-void visit_estimate(Estimate& p, const Visit& visit) {
-  visit("name", p.name);
-  visit("value", p.value);
-  visit("standard_error", p.standard_error);
-  visit("ci95_lower", p.ci95_lower);
-  visit("ci95_upper", p.ci95_upper);
-  visit("fixed", p.fixed);
-  visit("at_bound", p.at_bound);
-  visit("identified", p.identified);
-  visit("centre_value", p.centre_value);
-  visit("centre_standard_error", p.centre_standard_error);
-  visit("from_other_component", p.from_other_component);
-  visit("widening", p.widening);
-  visit("lower_limit", p.lower_limit);
-  visit("upper_limit", p.upper_limit);
-  visit("limits_given", p.limits_given);
-}
-
-template <typename Result, typename Visit>
-void visit_result(Result& r, const Visit& visit) {
-  visit("formula", r.model);
-  visit("cost", r.cost);
-  visit("rms", r.rms);
-  visit("max_residual", r.max_residual);
-  visit("aicc", r.aicc);
-  visit("bic", r.bic);
-  visit("message", r.message);
-  visit("residuals", r.residuals);
-  visit("free_parameters", r.free_parameters);
-  visit("starts", r.starts);
-  visit("starts_at_best", r.starts_at_best);
-  visit("distinct_minima", r.distinct_minima);
-  visit("confidence_of_optimum", r.confidence_of_optimum);
-  visit("condition", r.condition);
-  visit("outliers", r.outliers);
-  visit("covariance", r.covariance);
-  visit("centre_omega", r.centre_omega);
-  visit("loss_cost", r.loss_cost);
-  visit("loss_scale", r.loss_scale);
-  visit("loss_unit", r.loss_unit);
-  visit("seconds", r.seconds);
-  visit("gain_factor", r.gain_factor);
-  visit("earlier_input", r.earlier_input);
-  visit("noise_floor", r.noise_floor);
-  visit("noise_correlation", r.noise_correlation);
-  visit("effective_parameters", r.effective_parameters);
-}
-
-template <typename Estimate, typename Visit>
-void visit_prior(Estimate& p, const Visit& visit) {
-  visit("name", p.name);
-  visit("value", p.prior.value);
-  visit("deviation", p.prior.deviation);
-  visit("relative", p.prior.relative);
-  visit("distance", p.distance);
-  visit("conflict", p.conflict);
-  visit("share", p.share);
-}
-
-auto writer(py::dict& dict) {
-  return [&dict](const char* name, const auto& value) { dict[name] = value; };
-}
-auto reader(const py::dict& dict) {
-  return [&dict]<typename T>(const char* name, T& value) { value = dict[name].template cast<T>(); };
 }
 
 }  // namespace
@@ -245,45 +191,15 @@ std::vector<frac::ParameterConstraint> constraints_from(const py::list& list) {
   return constraints;
 }
 
-py::dict dict_of(const frac::FitResult& result) {
-  py::dict dict;
-  visit_result(result, writer(dict));
-  dict["termination"] = std::string(frac::to_string(result.termination));
-  py::list parameters;
-  for (const auto& each : result.parameters) {
-    py::dict entry;
-    visit_estimate(each, writer(entry));
-    entry["interval"] = std::string(frac::to_string(each.interval));
-    parameters.append(entry);
-  }
-  dict["parameters"] = parameters;
-  py::list priors;
-  for (const auto& each : result.priors) {
-    py::dict entry;
-    visit_prior(each, writer(entry));
-    priors.append(entry);
-  }
-  dict["priors"] = priors;
+py::dict dict_of_fit(const frac::FitResult& result) {
+  py::dict dict = dict_of(result);
   dict["advice"] = list_of(result.advice);
   return dict;
 }
 
 frac::FitResult fit_result_from(const py::dict& dict) {
   frac::FitResult result{};
-  visit_result(result, reader(dict));
-  result.termination = frac::fit_termination_from_string(dict["termination"].cast<std::string>());
-  for (const auto& each : dict["parameters"].cast<py::list>()) {
-    const auto entry = each.cast<py::dict>();
-    frac::ParameterEstimate estimate{};
-    visit_estimate(estimate, reader(entry));
-    estimate.interval = frac::interval_kind_from_string(entry["interval"].cast<std::string>());
-    result.parameters.push_back(std::move(estimate));
-  }
-  for (const auto& each : dict["priors"].cast<py::list>()) {
-    frac::PriorEstimate estimate{};
-    visit_prior(estimate, reader(each.cast<py::dict>()));
-    result.priors.push_back(std::move(estimate));
-  }
+  read(dict, result);
   for (const auto& each : dict["advice"].cast<py::list>()) {
     const auto [remedy, parameters] = each.cast<std::pair<std::string, std::vector<std::string>>>();
     result.advice.push_back({frac::remedy_from_string(remedy), parameters});

@@ -46,7 +46,7 @@ namespace python {
 [[nodiscard]] std::vector<frac::ParameterConstraint> constraints_from(const pybind11::list& list);
 
 /// A result as a dict of plain values, and back.
-[[nodiscard]] pybind11::dict dict_of(const frac::FitResult& result);
+[[nodiscard]] pybind11::dict dict_of_fit(const frac::FitResult& result);
 [[nodiscard]] frac::FitResult fit_result_from(const pybind11::dict& dict);
 
 }  // namespace python

@@ -8,6 +8,7 @@ PYBIND11_MODULE(_fitting, module) {
   pybind11::module_::import("fracfit._core");  // has the classes
   // What the solver would print of steps that fail stands in the results.
   FLAGS_minloglevel = google::GLOG_FATAL;
+  module.attr("described") = pybind11::dict();
   python::add_economy(module);
   python::add_fit(module);
   python::add_identify(module);

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "described.hpp"
 #include "fit_request.hpp"
+#include "frac/identification/describe.hpp"
 #include "frac/identification/economy.hpp"
 #include "frac/identification/outliers.hpp"
 #include "parts.hpp"
@@ -16,37 +18,24 @@
 namespace python {
 namespace {
 
-py::dict dict_of(const frac::RankedFit& candidate) {
-  py::dict dict;
-  dict["name"] = candidate.name;
-  dict["model_class"] = std::string(frac::to_string(candidate.model_class));
-  dict["fit"] = python::dict_of(candidate.fit);
-  dict["delta_aicc"] = candidate.delta_aicc;
-  dict["akaike_weight"] = candidate.akaike_weight;
+py::dict dict_of_candidate(const frac::RankedFit& candidate) {
+  py::dict dict = dict_of(candidate);
+  dict["fit"] = dict_of_fit(candidate.fit);
   dict["adequate"] = candidate.lack_of_fit.adequate;
   dict["misfit"] = candidate.lack_of_fit.misfit;
-  dict["from_family"] = candidate.from_family;
-  dict["also"] = candidate.also;
   dict["constraints"] = list_of(candidate.model.constraints);
   return dict;
 }
 
-py::dict dict_of(const frac::IdentificationResult& result) {
+py::dict dict_of_ranking(const frac::IdentificationResult& result) {
+  py::dict dict = dict_of(result);
   py::list ranking;
-  for (const auto& candidate : result.ranking) ranking.append(dict_of(candidate));
-  py::dict dict;
+  for (const auto& candidate : result.ranking) ranking.append(dict_of_candidate(candidate));
   dict["ranking"] = ranking;
-  dict["skipped"] = result.skipped;
   dict["chosen"] = result.chosen;
-  dict["verdict"] = std::string(frac::to_string(result.verdict));
-  dict["verdict_sentence"] = result.verdict_sentence;
   dict["advice"] = list_of(result.advice);
-  dict["evidence"] = result.evidence;
-  dict["log10_odds"] = result.log10_odds;
-  dict["model_error"] = result.model_error;
   dict["usable"] = result.usable();
   dict["summary"] = result.summary();
-  dict["noise_floor"] = result.noise_floor;
   for (const char* each : {"next_measurement", "next_accuracy", "next_evidence"}) dict[each] = py::none();
   if (result.next) {
     dict["next_measurement"] = py::make_tuple(result.next->lower, result.next->upper, result.next->points);
@@ -98,7 +87,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
     left_out = points.left_out();
     return ranking;
   });
-  py::dict dict = dict_of(result);
+  py::dict dict = dict_of_ranking(result);
   dict["left_out"] = left_out;
   dict["notes"] = notes;
   dict["component"] = std::string(frac::to_string(options.component));
@@ -111,7 +100,8 @@ py::dict identify_record(const py::dict& data, const std::vector<std::string>& n
   const auto models = names.empty() ? frac::default_candidates_over_time() : models_of(names);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  py::dict dict = dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
+  py::dict dict =
+      dict_of_ranking(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
   dict["left_out"] = py::list();
   dict["notes"] = py::list();
   dict["component"] = py::none();
@@ -128,6 +118,7 @@ py::dict identify(const py::dict& data, const std::vector<std::string>& names, c
 }  // namespace
 
 void add_identify(py::module_& module) {
+  module.attr("described")["Identification"] = attributes_of<frac::IdentificationResult>();
   module.def("identify", &identify);
 }
 

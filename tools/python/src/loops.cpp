@@ -5,9 +5,11 @@
 #include <tuple>
 
 #include "arrays.hpp"
+#include "backlash/loops/describe.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
+#include "described.hpp"
 #include "parts.hpp"
 #include "run.hpp"
 
@@ -64,7 +66,7 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const std::o
     return std::tuple(backlash::symmetric_cycles(loop, options), backlash::predicted_limit_cycles(loop, options.range),
                       can_start && starts > 0 ? backlash::impact_cycles(loop, seeded) : backlash::ImpactCycles{});
   });
-  py::list found, expected;
+  py::list found;
   for (const auto& cycle : exact.cycles)
     found.append(cycle_of(cycle.omega, true, 2, cycle.impact_speed, cycle.admissible, cycle.reason, cycle.stability,
                           cycle.harmonics));
@@ -74,21 +76,9 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const std::o
                           cycle->harmonics));
   py::list motions;
   for (const auto& motion : settled.motions) motions.append(std::string(backlash::to_string(motion.regime)));
-  for (const auto& cycle : predicted) {
-    py::dict entry;
-    entry["omega"] = cycle.omega;
-    entry["force_amplitude"] = cycle.force_amplitude;
-    entry["faster_orbit"] = cycle.faster_orbit;
-    entry["stable"] = cycle.stable;
-    entry["third_harmonic"] = cycle.third_harmonic;
-    entry["second_harmonic"] = cycle.second_harmonic;
-    entry["symmetric"] = cycle.symmetric;
-    entry["admissible"] = cycle.admissible;
-    expected.append(entry);
-  }
   py::dict result;
   result["cycles"] = found;
-  result["predicted"] = expected;
+  result["predicted"] = object_of(predicted);
   result["motions"] = motions;
   result["searched"] = py::make_tuple(exact.searched.from, exact.searched.to);
   result["certain"] = exact.certain;

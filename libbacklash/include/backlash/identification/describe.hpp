@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "frac/describe.hpp"
+
+namespace backlash {
+
+struct BodiesIdentification;
+struct ExplanationFit;
+struct RivalScene;
+struct SceneComparison;
+struct SceneEstimate;
+struct SceneIdentification;
+struct ScenePoint;
+
+// Descriptions of what is identified from measured describing functions, see frac/describe.hpp.
+
+template <frac::ResultOf<SceneEstimate> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("name", "", "name of a parameter or of a combination of them", result.name);
+  visit("unit", "", "unit of its value", result.unit);
+  visit("value", "parameter", "estimate", result.value);
+  visit("standard_error", "parameter",
+        "standard error: 0 where fixed, none at a bound or where no value is better than another",
+        result.standard_error);
+  visit("ci95", "parameter", "interval of 95 %, over the values of rivals too",
+        frac::NumberPair("ci95_lower", result.ci95_lower, "ci95_upper", result.ci95_upper));
+  visit("identified", "", "whether the data tell the parameter", result.identified);
+  visit("at_bound", "", "whether the estimate lies at a limit", result.at_bound);
+  visit("fixed", "", "whether it was held and not estimated", result.fixed);
+}
+
+template <frac::ResultOf<RivalScene> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("mass1", "kg", "mass 1 of a scene that explains the data nearly as well", result.parameters[0]);
+  visit("mass2", "kg", "mass 2", result.parameters[1]);
+  visit("clearance", "m", "clearance", result.parameters[2]);
+  visit("restitution", "1", "coefficient of restitution", result.parameters[3]);
+  visit("odds_against", "1", "evidence of the estimate over that of this scene", result.odds);
+}
+
+template <frac::ResultOf<ScenePoint> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("curve", "1", "index of the curve", result.curve);
+  visit("omega_rad_s", "rad/s", "angular frequency", result.omega);
+  visit("status", "", "used, off-branch or irregular", result.status);
+  visit("regime", "", "regime of the steady motion that the point is compared with", result.regime);
+  visit("model_re_m_per_n", "m/N", "real part of N of the estimate", result.model.real());
+  visit("model_im_m_per_n", "m/N", "imaginary part of N of the estimate", result.model.imag());
+  visit("residual_re", "1", "real part of the weighted residual", result.residual.real());
+  visit("residual_im", "1", "imaginary part of the weighted residual", result.residual.imag());
+}
+
+template <class Result, class Visit>
+requires frac::ResultOf<Result, SceneIdentification> || frac::ResultOf<Result, BodiesIdentification>
+void describe(Result& result, const Visit& visit) {
+  constexpr bool of_two_masses = frac::ResultOf<Result, SceneIdentification>;
+  visit("parameters", "", "masses, clearance and restitution, see scene-estimate", result.parameters);
+  if constexpr (of_two_masses) {
+    visit("combinations", "", "combinations of parameters that x1 tells, see scene-estimate", result.combinations);
+    visit("free_directions", "", "what the data leave free, a sentence each", result.free_directions);
+  }
+  visit("misfits", "", "how the data contradict the scene, a sentence each", result.misfits);
+  visit("residual_correlation", "1", "correlation of neighbouring residuals; 0 where it may be chance",
+        result.residual_correlation);
+  if constexpr (of_two_masses)
+    visit("rivals", "", "other scenes that explain the data nearly as well, see rival-scene", result.rivals);
+  visit("cost", "1", "sum of squared residuals of the points used", result.cost);
+  visit("rms", "1", "root mean square of the residuals", result.rms);
+  visit("max_residual", "1", "largest part of a residual", result.max_residual);
+  visit("termination", "", "converged, not-converged or no-usable-start", result.termination);
+  visit("message", "", "what became of the search", result.message);
+  visit("residuals", "1", "number of residuals", result.residuals);
+  visit("free_parameters", "1", "number of parameters that the data determine", result.free_parameters);
+  visit("condition", "1", "condition of the scaled Fisher matrix", result.condition);
+  visit("starts", "1", "local searches", result.starts);
+  visit("starts_at_best", "1", "searches that ended at the same estimate", result.starts_at_best);
+  visit("seconds", "s", "time that the search took", result.seconds);
+  visit("points_used", "1", "number of points used", result.points_used);
+  visit("points", "", "points of all curves, see scene-point", result.points);
+  visit("covariance", "", "covariance of the parameters, row by row", result.covariance);
+}
+
+template <frac::ResultOf<ExplanationFit> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("explanation", "", "what explains the data", result.explanation);
+  visit("name", "", "name of the structure", result.name);
+  visit("cost", "1", "sum of squared residuals over all curves", result.cost);
+  visit("rms", "1", "root mean square of the residuals", result.rms);
+  visit("free_parameters", "1", "number of free parameters over all curves", result.free_parameters);
+  visit("aicc", "1", "Akaike's criterion, corrected for few residuals", result.aicc);
+  visit("delta_aicc", "1", "aicc above the least", result.delta_aicc);
+}
+
+template <frac::ResultOf<SceneComparison> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("ranking", "", "the best of each explanation, best first, see explanation", result.ranking);
+  visit("points", "1", "number of points compared, the same for all", result.points);
+  visit("residuals", "1", "number of residuals", result.residuals);
+  visit("skipped", "", "what could not be compared, with the reason", result.skipped);
+  visit("sentence", "", "which explanation the data support", result.sentence);
+}
+
+}  // namespace backlash
