@@ -4,146 +4,125 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <optional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "frac/identification/constraints.hpp"
-#include "frac/identification/model_library.hpp"
 #include "frac/identification/outliers.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/recognised_preset.hpp"
+#include "identification/residuals/parameter_map.hpp"
 #include "identification/search/global_search.hpp"
 
 namespace frac::detail {
 namespace {
 
-/// A parameter of the richer preset: a multiple of a power of one of the simpler, of the gain of the data, or a number.
-struct Value {
-  std::string_view parameter;
-  double factor;
-  std::string_view of = {};
-  int power = 1;
-};
-struct Row {
-  Containment pair;
-  std::vector<Value> differs;  // parameters of other names keep theirs
-};
+constexpr double rounding = 1e-9;  // of costs, and of values that follow from one another
 
-// What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
-// above the simpler optimum, at what changes no cost.
-constexpr double little = 1e-6, next_to_nothing = 1e-14;
-constexpr std::string_view gain = "of the data";
-
-const std::vector<Row>& rows() {
-  static const std::vector<Row> all = {
-      {{"lag-delay", "lag"}, {{"L", 0}}},
-      {{"oscillator", "lag"}, {{"b1", 1, "T"}, {"b2", little, "T", 2}}},
-      {{"oscillator-delay", "lag-delay"}, {{"b1", 1, "T"}, {"b2", little, "T", 2}}},
-      {{"oscillator-delay", "oscillator"}, {{"L", 0}}},
-      {{"two-rc", "r-rc"}, {{"R2", little, gain}, {"C2", 1, "C1"}}},
-      {{"integrator-and-differentiator", "integrator"}, {{"K1", 1, "K"}, {"K2", 0}}},
-      {{"integrator-and-differentiator", "differentiator"}, {{"K2", 1, "K"}, {"K1", 0}}},
-      {{"two-differentiators", "differentiator"}, {{"K1", 1, "K"}, {"K3", 0}}},
-      {{"inertia-and-damper", "double-integrator"}, {{"M", 1, "K", -1}, {"d", 0}, {"c", 0}}},
-      {{"inertia-and-integrator", "double-integrator"}, {{"M", 1, "K", -1}, {"d", 0}, {"c", 0}}},
-      {{"power-law", "gain"}, {{"a", 0}}},
-      {{"power-law", "differentiator"}, {{"a", 1}}},
-      {{"power-law", "integrator"}, {{"a", -1}}},
-      {{"power-law", "double-integrator"}, {{"a", -2}}},
-      {{"two-power-laws", "integrator-and-differentiator"}, {{"a1", -1}, {"a2", 1}}},
-      {{"two-power-laws", "two-differentiators"}, {{"K2", 1, "K3"}, {"a1", 1}, {"a2", 3}}},
-      {{"two-power-laws", "power-law"}, {{"K1", 1, "K"}, {"a1", 1, "a"}, {"K2", 0}, {"a2", 0}}},
-      {{"fractional-lag", "lag"}, {{"a", 1}}},
-      {{"cole-cole", "lag"}, {{"a", 1}}},
-      {{"cole-davidson", "lag"}, {{"b", 1}}},
-      {{"havriliak-negami", "cole-cole"}, {{"b", 1}}},
-      {{"havriliak-negami", "cole-davidson"}, {{"a", 1}}},
-      {{"fractional-lag-delay", "lag-delay"}, {{"a", 1}}},
-      {{"fractional-lag-delay", "fractional-lag"}, {{"L", 0}}},
-      {{"fractional-oscillator", "oscillator"}, {{"a1", 1}, {"a2", 2}}},
-      {{"fractional-oscillator", "fractional-lag"},
-       {{"b1", 1, "T"}, {"a1", 1, "a"}, {"b2", little, "T", 2}, {"a2", 2}}},
-      {{"inertia-and-power-law", "inertia-and-damper"}, {{"q", 1}}},
-      {{"inertia-and-power-law", "inertia-and-integrator"}, {{"q", -1}}},
-      {{"zarc", "r-rc"}, {{"Q1", 1, "C1"}, {"n1", 1}}},
-      {{"arc-and-cpe", "zarc"}, {{"A", little, gain}, {"n2", -0.5}}},
-      {{"two-zarc", "two-rc"}, {{"Q1", 1, "C1"}, {"n1", 1}, {"Q2", 1, "C2"}, {"n2", 1}}},
-      {{"two-zarc", "zarc"}, {{"R2", little, gain}, {"Q2", 1, "Q1"}, {"n2", 1, "n1"}}},
-      {{"fractional-zener", "zener"}, {{"a", 1}}},
-      {{"fractional-zener", "fractional-maxwell"}, {{"E0", little, gain}}},
-      {{"havriliak-negami-modulus", "fractional-zener"}, {{"b", 1}}},
-  };
-  return all;
+std::vector<double> values_of(const FitResult& fit, const Structure& structure) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) values.push_back(fit.parameters[i].value);
+  return values;
 }
 
-}  // namespace
+/// Two points within the limits of a preset: near either end of its orders, and with gains of either sign.
+std::vector<std::vector<double>> points_of(const NamedModel& preset) {
+  const ParameterMap map(Structure(preset.formula), preset.constraints, {1, 1, 1, 1, 1, 1});
+  std::vector<std::vector<double>> points;
+  for (const double share : {0.13, 0.87}) {
+    std::vector<double> theta;
+    for (const ParameterMap::Free& entry : map.free()) {
+      const double apart = 0.1 * static_cast<double>(theta.size() + 1);  // no two are alike
+      const bool is_order = entry.role == ParameterRole::order;
+      const double sign = entry.either_sign && share < 0.5 ? -1 : 1;
+      theta.push_back(is_order ? entry.lower + share * (entry.upper - entry.lower) : sign * (share + apart));
+    }
+    points.push_back(map.to_user(theta));
+  }
+  return points;
+}
 
-std::vector<Containment> containments() {
-  std::vector<Containment> result;
-  for (const Row& row : rows()) result.push_back(row.pair);
+/// Where a structure is a preset at each of points_of(); fewer where it is not always that.
+std::vector<std::vector<double>> where_contained(const Structure& structure, const std::vector<ParameterLimits>& limits,
+                                                 const NamedModel& preset) {
+  std::vector<std::vector<double>> where;
+  const Structure simple(preset.formula);
+  for (const std::vector<double>& point : points_of(preset)) {
+    const std::optional<Containment> found = contained_in(structure, limits, simple, point, 1, 1);
+    if (!found) return {};
+    where.push_back(found->values);
+  }
+  return where;
+}
+
+/// Limits without what holds or narrows coefficients, which says nothing of the structure.
+std::vector<ParameterLimits> widened(const Structure& structure, std::vector<ParameterLimits> limits) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    const bool is_order = structure.parameter_roles()[i] == ParameterRole::order;
+    auto& [lower, upper] = limits[i];
+    if (is_order && lower == upper) {
+      lower = -4;
+      upper = 4;
+    } else if (!is_order) {
+      const bool is_gain =
+          structure.parameter_roles()[i] == ParameterRole::coefficient && !structure.parameter_keeps_sign()[i];
+      lower = lower < 0 || (lower == upper && is_gain) ? -infinity : 0;
+      upper = infinity;
+    }
+  }
+  return limits;
+}
+
+/// What is said of parameters of a structure, said of those of a preset that it contains: of those that have the same
+/// value wherever it is that.  Its own limits hold for the others.
+std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const Structure& structure,
+                                                const std::vector<std::vector<double>>& where,
+                                                const std::vector<ParameterConstraint>& constraints) {
+  const Structure simple(preset.formula);
+  const auto points = points_of(preset);
+  std::vector<std::string> names, names_in_preset;
+  for (std::size_t j = 0; j < simple.parameter_names().size(); ++j) {
+    for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+      bool same = true;
+      for (std::size_t point = 0; point < where.size(); ++point)
+        same = same && std::abs(where[point][i] - points[point][j]) <= rounding * std::abs(points[point][j]);
+      if (!same) continue;
+      names.push_back(structure.parameter_names()[i]);
+      names_in_preset.push_back(simple.parameter_names()[j]);
+      break;
+    }
+  }
+  std::vector<ParameterConstraint> result = renamed(constraints, names, names_in_preset);
+  for (const ParameterConstraint& own : preset.constraints) {
+    const bool said =
+        std::any_of(result.begin(), result.end(), [&](const auto& each) { return each.name == own.name; });
+    if (!said) result.push_back(own);
+  }
   return result;
 }
 
-namespace {
-
-double least_gain(const FrequencyResponseData& data) {
-  double least = std::abs(data.value().front());
-  for (const std::complex<double>& value : data.value()) least = std::min(least, std::abs(value));
-  return least;
-}
-/// Largest output over largest input of a record.
-double least_gain(const TimeResponseData& data) {
-  double output = 0, input = 0;
-  for (const double value : data.output()) output = std::max(output, std::abs(value));
-  for (const double value : data.input()) input = std::max(input, std::abs(value));
-  return input > 0 ? output / input : 1;
-}
-
-/// Start values of the richer structure where it is the simpler one.
-/// @param smallness  for what is little
-std::vector<ParameterConstraint> start_of_contained(const Row& row, const RecognisedPreset& rich, const FitResult& fit,
-                                                    double gain_of_data, double smallness) {
-  const RecognisedPreset simple = recognised_preset(Structure(fit.model)).value();
-  std::vector<ParameterConstraint> starts;
-  const auto value_of = [&](std::string_view preset_name) {
-    for (std::size_t i = 0; i < simple.preset_names.size(); ++i) {
-      if (simple.preset_names[i] != preset_name) continue;
-      for (const ParameterEstimate& estimate : fit.parameters)
-        if (estimate.name == simple.structure_names[i]) return std::optional(estimate.value);
-    }
-    return std::optional<double>();
-  };
-  for (std::size_t i = 0; i < rich.preset_names.size(); ++i) {
-    const auto differs = std::find_if(row.differs.begin(), row.differs.end(),
-                                      [&](const Value& value) { return value.parameter == rich.preset_names[i]; });
-    std::optional<double> start;
-    if (differs == row.differs.end()) {
-      start = value_of(rich.preset_names[i]);
-    } else {
-      const double unit = differs->of == gain ? gain_of_data : value_of(differs->of).value_or(1);
-      start = (differs->factor == little ? smallness : differs->factor) * std::pow(unit, differs->power);
-    }
-    if (start) starts.push_back({rich.structure_names[i], {}, {}, {}, start});
-  }
-  return starts;
-}
-
-constexpr double rounding = 1e-9;  // of costs
-
 template <class Data, class Options>
-std::optional<FitResult> fitted_from(const Data& data, const Row& row, const Structure& structure,
-                                     const RecognisedPreset& rich, const FitResult& simple, const Options& options) {
-  const bool has_limit =
-      std::any_of(row.differs.begin(), row.differs.end(), [](const Value& value) { return value.factor == little; });
+std::optional<FitResult> fitted_from(const Data& data, const FitResult& rich, const FitResult& simple,
+                                     const Options& options) {
+  const Structure structure(rich.model), contained(simple.model);
+  const std::vector<double> values = values_of(simple, contained);
+  const double gain = std::abs(contained.response(values, simple.centre_omega));
+  const std::optional<Containment> found =
+      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
+  if (!found) return std::nullopt;
   std::optional<FitResult> best;
-  for (const double smallness : {little, next_to_nothing}) {
+  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
+  // above the simpler optimum, at what changes no cost.
+  for (const double smallness : {1e-6, 1e-14}) {
+    const std::vector<double> start = found->at(smallness);
     Options warm = options;
     warm.global_start = false;
-    for (const ParameterConstraint& start : start_of_contained(row, rich, simple, least_gain(data), smallness)) {
-      ParameterConstraint& own = constraint_of(warm.constraints, start.name);
-      if (!own.fixed) own.start = start.start;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
+      if (!own.fixed) own.start = start[i];
     }
     try {
       FitResult fit = frac::fit(data, structure, warm);
@@ -151,21 +130,9 @@ std::optional<FitResult> fitted_from(const Data& data, const Row& row, const Str
     } catch (const std::invalid_argument&) {
       // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
     }
-    if (!has_limit || (best && best->cost <= simple.cost * (1 + rounding))) break;
+    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
   }
   return best;
-}
-
-template <class Data, class Options>
-std::optional<FitResult> fitted_from(const Data& data, const Containment& pair, const NamedModel& model,
-                                     const FitResult& simple, const Options& options) {
-  const auto row = std::find_if(rows().begin(), rows().end(), [&](const Row& each) {
-    return each.pair.rich == pair.rich && each.pair.simple == pair.simple;
-  });
-  const Structure structure(model.formula);
-  Options of_model = options;
-  of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
-  return fitted_from(data, *row, structure, recognised_preset(structure).value(), simple, of_model);
 }
 
 /// Whether the contained structure leaves so much more than a fit of the richer one that its optimum on all points
@@ -200,29 +167,14 @@ bool is_left_behind(const TimeResponseData&, const FitResult&, const TimeFitOpti
 template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
-  const std::optional<RecognisedPreset> rich = recognised_preset(structure);
-  if (!rich) return fit;
-  for (const Row& row : rows()) {
-    if (row.pair.rich != rich->preset->name) continue;
-    const NamedModel& simple = find_model(row.pair.simple);
-    const Structure contained(simple.formula);
+  const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
+  for (const NamedModel* preset : largest_contained(structure, limits)) {
     Options of_contained = options;
-    // The same names of presets have the same meaning in both; what the user says of them holds in both.
-    of_contained.constraints = renamed(options.constraints, rich->structure_names, rich->preset_names);
-    std::erase_if(of_contained.constraints, [&](const ParameterConstraint& each) {
-      const auto& names = contained.parameter_names();
-      const auto is_known = [&](const std::string& name) {
-        return std::find(names.begin(), names.end(), name) != names.end();
-      };
-      return !is_known(each.name) || (!each.above.empty() && !is_known(each.above));
-    });
-    for (const ParameterConstraint& own : simple.constraints) {
-      const bool said = std::any_of(of_contained.constraints.begin(), of_contained.constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == own.name; });
-      if (!said) of_contained.constraints.push_back(own);
-    }
+    of_contained.constraints =
+        constraints_on(*preset, structure, where_contained(structure, limits, *preset), options.constraints);
     FitResult optimum;
     try {
+      const Structure contained(preset->formula);
       if (is_left_behind(data, fit, options, contained, of_contained)) continue;
       optimum = frac::fit(data, contained, of_contained);
     } catch (const std::invalid_argument&) {
@@ -230,7 +182,7 @@ FitResult no_worse(const Data& data, const Structure& structure, const Options& 
     }
     fit.seconds += optimum.seconds;
     if (!(optimum.cost < fit.cost * (1 - rounding))) continue;
-    std::optional<FitResult> from = fitted_from(data, row, structure, *rich, optimum, options);
+    std::optional<FitResult> from = fitted_from(data, fit, optimum, options);
     if (!from || !(from->cost < fit.cost)) continue;
     // A minimum that the search has not seen.
     from->starts = fit.starts + 1;
@@ -251,15 +203,51 @@ FitOptions with_floor_of(FitOptions options, const FitResult& fit) {
 
 }  // namespace
 
-std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const Containment& pair,
-                                            const NamedModel& rich, const FitResult& simple,
-                                            const FitOptions& options) {
-  return fitted_from(data, pair, rich, simple, options);
+std::vector<ParameterLimits> limits_in_force(const FitResult& fit) {
+  std::vector<ParameterLimits> limits;
+  for (std::size_t i = 0; i < Structure(fit.model).parameter_names().size(); ++i) {
+    const ParameterEstimate& each = fit.parameters[i];
+    limits.push_back(each.fixed ? ParameterLimits{each.value, each.value}
+                                : ParameterLimits{each.lower_limit, each.upper_limit});
+  }
+  return limits;
 }
-std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const Containment& pair,
-                                            const NamedModel& rich, const FitResult& simple,
-                                            const TimeFitOptions& options) {
-  return fitted_from(data, pair, rich, simple, options);
+
+std::vector<ParameterLimits> limits_of(const NamedModel& model) {
+  const ParameterMap map(Structure(model.formula), model.constraints, {1, 1, 1, 1, 1, 1});
+  std::vector<ParameterLimits> limits(map.parameter_count());
+  for (const ParameterMap::Free& entry : map.free()) limits[entry.parameter] = {entry.least, entry.most};
+  return limits;
+}
+
+std::vector<const NamedModel*> largest_contained(const Structure& structure,
+                                                 const std::vector<ParameterLimits>& limits) {
+  std::vector<const NamedModel*> found;
+  const auto parameters = [](const NamedModel& model) { return Structure(model.formula).parameter_names().size(); };
+  for (const NamedModel& preset : model_library()) {
+    if (parameters(preset) < structure.parameter_names().size() && !where_contained(structure, limits, preset).empty())
+      found.push_back(&preset);
+  }
+  const auto contains = [&](const NamedModel& rich, const NamedModel& simple) {
+    return parameters(simple) < parameters(rich) &&
+           !where_contained(Structure(rich.formula), limits_of(rich), simple).empty();
+  };
+  std::vector<const NamedModel*> largest;
+  for (const NamedModel* simple : found) {
+    const bool inside =
+        std::any_of(found.begin(), found.end(), [&](const auto* rich) { return contains(*rich, *simple); });
+    if (!inside) largest.push_back(simple);
+  }
+  return largest;
+}
+
+std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const FitResult& rich,
+                                            const FitResult& simple, const FitOptions& options) {
+  return fitted_from(data, rich, simple, options);
+}
+std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const FitResult& rich,
+                                            const FitResult& simple, const TimeFitOptions& options) {
+  return fitted_from(data, rich, simple, options);
 }
 
 FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,

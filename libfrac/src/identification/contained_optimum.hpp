@@ -2,35 +2,37 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <vector>
 
+#include "formula/containment.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/identification/model_library.hpp"
 #include "frac/identification/time_fit.hpp"
 
 namespace frac::detail {
 
-/// A preset that contains a simpler one.
-struct Containment {
-  std::string_view rich, simple;
-};
-/// All of the library, simpler ones first.
-[[nodiscard]] std::vector<Containment> containments();
+/// Limits that were in force in a fit, in the order of the structure's parameters.
+[[nodiscard]] std::vector<ParameterLimits> limits_in_force(const FitResult& fit);
+/// Limits of a model by itself, on data of units 1.
+[[nodiscard]] std::vector<ParameterLimits> limits_of(const NamedModel& model);
 
-/// The richer preset started where it is the simpler one at its optimum, or next to it where it is that as a limit.
-/// Empty where it may not start there.
-/// @param rich    as it is written among the candidates
-/// @param simple  of the same data and options
-[[nodiscard]] std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const Containment& pair,
-                                                          const NamedModel& rich, const FitResult& simple,
-                                                          const FitOptions& options);
-[[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const Containment& pair,
-                                                          const NamedModel& rich, const FitResult& simple,
-                                                          const TimeFitOptions& options);
+/// The presets with fewer parameters that the structure contains whatever their parameters are, but those that another
+/// one of them contains.
+/// @param limits  of the structure's parameters
+[[nodiscard]] std::vector<const NamedModel*> largest_contained(const Structure& structure,
+                                                               const std::vector<ParameterLimits>& limits);
+
+/// A fit of the richer structure started where it is the simpler one at its optimum, or next to it where it is that as
+/// a limit.  Empty where it may not start there or is no such structure.
+/// @param rich, simple  of the same data and options
+/// @param options       with the limits of the richer structure
+[[nodiscard]] std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const FitResult& rich,
+                                                          const FitResult& simple, const FitOptions& options);
+[[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const FitResult& rich,
+                                                          const FitResult& simple, const TimeFitOptions& options);
 
 /// A searched fit that is no worse than any preset the structure contains: where one is better, it is where the fit
-/// starts anew.  Structures that are no presets and fits with a robust loss stay as they are.
+/// starts anew.  Fits with a robust loss stay as they are.
 [[nodiscard]] FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,
                                                 const FitOptions& options, FitResult fit);
 [[nodiscard]] FitResult no_worse_than_contained(const TimeResponseData& data, const Structure& structure,

@@ -17,7 +17,6 @@
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
-#include "identification/recognised_preset.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -173,24 +172,32 @@ double by_far(std::size_t residuals) {
   return std::clamp(std::exp(300 / static_cast<double>(residuals)), 1.5, 10.0);
 }
 
-/// Fits that ended above a structure they contain start from its optimum.
+/// Fits that ended above a structure they contain start from its optimum, simpler ones first.
 template <class Data, class Options>
 void start_from_contained(const Data& data, const Options& options, std::vector<Outcome>& outcomes) {
-  std::vector<std::string_view> presets;  // of the outcomes; empty where one is none
-  for (const Outcome& outcome : outcomes) {
-    const auto found = outcome.fit ? detail::recognised_preset(Structure(outcome.model.formula)) : std::nullopt;
-    presets.push_back(found ? std::string_view(found->preset->name) : std::string_view());
-  }
-  const auto named = [&](std::string_view name) {
-    return outcomes.begin() + (std::find(presets.begin(), presets.end(), name) - presets.begin());
-  };
-  for (const detail::Containment& pair : detail::containments()) {
-    const auto rich = named(pair.rich), simple = named(pair.simple);
-    if (rich == outcomes.end() || simple == outcomes.end()) continue;
+  std::vector<Outcome*> fitted;  // families have grown by themselves
+  for (Outcome& outcome : outcomes)
+    if (outcome.fit && !outcome.from_family) fitted.push_back(&outcome);
+  const auto parameters = [](const Outcome* outcome) { return outcome->fit->free_parameters; };
+  std::stable_sort(fitted.begin(), fitted.end(),
+                   [&](const Outcome* a, const Outcome* b) { return parameters(a) < parameters(b); });
+  for (Outcome* rich : fitted) {
+    std::vector<const Outcome*> better;
     constexpr double rounding = 1e-9;
-    if (!(simple->fit->cost < rich->fit->cost * (1 - rounding))) continue;
-    std::optional<FitResult> fit = detail::fit_from_contained(data, pair, rich->model, *simple->fit, options);
-    if (fit && fit->cost < rich->fit->cost) rich->fit = std::move(fit);
+    for (const Outcome* simple : fitted) {
+      if (parameters(simple) <= parameters(rich) && simple->fit->cost < rich->fit->cost * (1 - rounding))
+        better.push_back(simple);
+    }
+    std::stable_sort(better.begin(), better.end(),
+                     [](const Outcome* a, const Outcome* b) { return a->fit->cost < b->fit->cost; });
+    Options of_rich = options;
+    const auto& own = rich->model.constraints;
+    of_rich.constraints.insert(of_rich.constraints.end(), own.begin(), own.end());
+    for (const Outcome* simple : better) {
+      if (!(simple->fit->cost < rich->fit->cost * (1 - rounding))) break;
+      std::optional<FitResult> fit = detail::fit_from_contained(data, *rich->fit, *simple->fit, of_rich);
+      if (fit && fit->cost < rich->fit->cost) rich->fit = std::move(fit);
+    }
   }
 }
 
