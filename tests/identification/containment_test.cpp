@@ -17,6 +17,7 @@
 #include "frac/identification/model_library.hpp"
 #include "identification/contained_optimum.hpp"
 #include "support/both_parts.hpp"
+#include "support/noisy_response.hpp"
 #include "support/random.hpp"
 #include "support/random_spelling.hpp"
 
@@ -210,6 +211,31 @@ TEST(Containment, KeepsToLimits) {
   EXPECT_TRUE(found({1, 1}, {0, 1}));       // held where it belongs
   EXPECT_FALSE(found({0, 0.9}, {0, 1}));    // not allowed to be 1
   EXPECT_FALSE(found({0, 1}, {0.5, 0.5}));  // held elsewhere
+}
+
+// A fit that has stopped far off starts anew where a simpler structure has its optimum, whoever has written it. Solvers
+// only descend from there, so that what is above is rounding.
+TEST(Containment, StartsAFormulaOfOnesOwnWhereASimplerOneEnded) {
+  const auto data = support::noisy_response("1/(s^2 + 0.1 s + 1) - 2/(0.01 s^2 + 0.1 s + 1)", {}, 0.01, 4u, 30);
+  const auto constrained = [](const NamedModel& model) {
+    frac::FitOptions options = support::both_parts();
+    options.constraints = model.constraints;
+    return options;
+  };
+  const NamedModel rich = frac::find_model("D + K (c s + 1)/((T1 s + 1) (T2 s^a + 1))");
+  frac::FitOptions poor = constrained(rich);
+  poor.global_start = false;
+  for (const char* name : {"D", "K", "c", "T1", "T2", "a"}) poor.constraints.push_back({name, {}, {}, {}, 3.9});
+  const Structure structure(rich.formula);
+  for (const char* formula : {"lag", "r-rc", "fractional-lag", "G/((A s + 1) (B s + 1))"}) {
+    const NamedModel simple = frac::find_model(formula);
+    const auto optimum = frac::fit(data, Structure(simple.formula), constrained(simple));
+    frac::FitResult stopped = frac::fit(data, structure, poor);
+    const auto found = frac::detail::fit_from_contained(data, stopped, optimum, constrained(rich));
+    ASSERT_TRUE(found) << formula;
+    EXPECT_LE(found->cost, optimum.cost * (1 + 1e-9)) << formula;
+    EXPECT_LE(frac::fit(data, structure, constrained(rich)).cost, optimum.cost * (1 + 1e-9)) << formula;
+  }
 }
 
 }  // namespace
