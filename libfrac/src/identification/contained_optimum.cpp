@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -74,6 +76,31 @@ std::vector<ParameterLimits> widened(const Structure& structure, std::vector<Par
     }
   }
   return limits;
+}
+
+/// A preset that a structure contains, and where.
+struct ContainedPreset {
+  const NamedModel* preset;
+  std::vector<std::vector<double>> where;
+};
+
+/// largest_contained(), derived once for each structure: fits of many curves ask for the same one.
+std::vector<ContainedPreset> contained_presets(const Structure& structure, const std::vector<ParameterLimits>& limits) {
+  constexpr std::size_t most_kept = 1000;  // structures, each of some hundred bytes
+  static std::mutex mutex;
+  static std::map<std::pair<std::string, std::vector<double>>, std::vector<ContainedPreset>> kept;
+  std::pair<std::string, std::vector<double>> key{structure.formula(), {}};
+  for (const auto& [lower, upper] : limits) key.second.insert(key.second.end(), {lower, upper});
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = kept.find(key); found != kept.end()) return found->second;
+  }
+  std::vector<ContainedPreset> result;
+  for (const NamedModel* preset : largest_contained(structure, limits))
+    result.push_back({preset, where_contained(structure, limits, *preset)});
+  const std::lock_guard lock(mutex);
+  if (kept.size() >= most_kept) kept.clear();
+  return kept.insert_or_assign(std::move(key), std::move(result)).first->second;
 }
 
 /// What is said of parameters of a structure, said of those of a preset that it contains: of those that have the same
@@ -168,10 +195,9 @@ template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
-  for (const NamedModel* preset : largest_contained(structure, limits)) {
+  for (const auto& [preset, where] : contained_presets(structure, limits)) {
     Options of_contained = options;
-    of_contained.constraints =
-        constraints_on(*preset, structure, where_contained(structure, limits, *preset), options.constraints);
+    of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
     FitResult optimum;
     try {
       const Structure contained(preset->formula);
