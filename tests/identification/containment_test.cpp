@@ -111,8 +111,8 @@ TEST(Containment, OfEachPairOfPresetsHasTheSameResponse) {
       found_pairs += any ? 1 : 0;
     }
   }
-  // 35 of them were once listed by hand.
-  EXPECT_GT(found_pairs, 100);
+  // What is missed shows in NoneIsMissed; here it is that the search does not end too early.
+  EXPECT_GE(found_pairs, 159);
 }
 
 /// The relative rms distance of the best fit of a preset to the noise-free response of another, over six decades.

@@ -293,9 +293,10 @@ class Search {
   using Next = std::function<void(const Demands&, const Monomial&)>;
   using Step = std::function<void(std::size_t, const Demands&, const Monomial&)>;
 
-  /// An exact one cannot be bettered; many like parts can be matched in very many ways.
+  /// An exact one cannot be bettered; many like parts can be matched in very many ways, of which pairs of presets need
+  /// far fewer than these.
   [[nodiscard]] bool is_over() const {
-    constexpr std::size_t most_ways = 20'000;
+    constexpr std::size_t most_ways = 200;
     return (best_ && !best_->is_limit()) || ways_ > most_ways;
   }
 
