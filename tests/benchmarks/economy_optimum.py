@@ -36,7 +36,10 @@ class Search:
     def seen(self, columns):
         weighted = columns * self.weight[:, None]
         parts = {"imaginary": [weighted.imag], "real": [weighted.real], "both": [weighted.real, weighted.imag]}
-        return np.concatenate(parts[self.component])
+        matrix = np.concatenate(parts[self.component])
+        # Rounding of a column that the part is blind to is no column: s^2 has no imaginary part.
+        matrix[:, np.linalg.norm(matrix, axis=0) <= 1e-12 * np.linalg.norm(weighted, axis=0)] = 0
+        return matrix
 
     def residual(self, columns):
         matrix = self.seen(columns)

@@ -223,6 +223,49 @@ TEST(Rational, PartialFractionsOfAFactorAddWhatTheFactorDoes) {
   }
 }
 
+// Derivatives by dead time and order, the last two, at fixed coefficients against central differences of the columns;
+// those by places leave out what lies in the space of the columns.  The error of a difference is a sixth of the step
+// squared times a third derivative, which is the model times at most (15 e-folds)^3, and rounding of 1e-14 over the
+// step.
+TEST(Rational, DerivativesByDeadTimeAndOrderAreThoseOfDifferences) {
+  const auto data = support::noisy_response("1/(s^0.7 + 0.3 s^1.6 + 1)", {}, 0.1, 7);
+  const auto rule = frac::detail::residual_rule(data, frac::Component::both, frac::Weight::relative);
+  const frac::detail::RationalProblem problem(data, rule);
+  for (const std::size_t integrators : {0u, 2u}) {
+    for (const std::size_t degree : {1u, 2u, 4u, 6u}) {
+      frac::detail::RationalShape shape;
+      shape.factors = {{false, -1.3, 0, 1}, {false, 0.2, 0, -1}, {true, 1.1, 0.5, 1}};
+      shape.integrators = integrators;
+      shape.low = 1;
+      shape.degree = degree;
+      shape.delayed = true;
+      shape.delay = 0.2;
+      shape.free_order = true;
+      shape.order = 0.8;
+      frac::detail::RationalProblem::Linear linear;
+      ASSERT_TRUE(problem.solve(problem.columns(shape), linear));
+      const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
+      const auto count = static_cast<Eigen::Index>(shape.nonlinear());
+      ASSERT_EQ(derivatives.cols(), count);
+      const Eigen::VectorXcd coefficients = linear.coefficients.cast<std::complex<double>>();
+      double size = 0;  // of the terms that the model is the sum of
+      const Eigen::MatrixXcd columns = problem.columns(shape);
+      for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+        size = std::max(size, (columns.col(k) * coefficients[k]).cwiseAbs().maxCoeff());
+      }
+      for (Eigen::Index k = count - 2; k < count; ++k) {
+        constexpr double step = 1e-5;
+        const Eigen::VectorXd change = step * Eigen::VectorXd::Unit(count, k);
+        const Eigen::VectorXcd difference =
+            (problem.columns(problem.stepped(shape, change)) - problem.columns(problem.stepped(shape, -change))) *
+            coefficients / (2 * step);
+        // 15^3/6 step^2 and 1e-14/step are 6e-8 and 1e-9 of the terms.
+        EXPECT_LT((derivatives.col(k) - difference).cwiseAbs().maxCoeff(), 1e-7 * size) << degree << ", " << k;
+      }
+    }
+  }
+}
+
 // Verdicts need the intervals of orders; those of a grown model's coefficients would cost more than all the rest.
 TEST(Rational, IdentifyFollowsTheCostForTheOrdersOfGrownModelsAlone) {
   const auto data = support::noisy_response("2/(0.5 s^0.7 + 1)", {}, 0.1, 6, 24);

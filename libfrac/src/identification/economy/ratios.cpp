@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <compare>
-#include <map>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "economy_search.hpp"
 #include "identification/rational/rational_model.hpp"
@@ -13,227 +14,296 @@
 namespace frac::detail {
 namespace {
 
-/// z^offset (c_0 + ... + c_{coefficients - 1} z^{coefficients - 1}) over a polynomial with that many roots.
-struct RatioSize {
-  std::size_t poles;
-  std::size_t coefficients;
+using Index = Eigen::Index;
+
+/// z^offset (c_0 + ... + c_{coefficients - 1} z^{coefficients - 1}), a numerator.
+struct Numerator {
   int offset;
-  auto operator<=>(const RatioSize&) const = default;
+  std::size_t coefficients;
+  std::size_t seen;  // coefficients that the component tells apart
 };
 
-RationalShape shape_of(const RatioSize& size, const RationalShape& from, bool free_order) {
+RationalShape shape_of(const Numerator& numerator, const RationalShape& from) {
   RationalShape shape = from;
-  shape.integrators = size.offset < 0 ? static_cast<std::size_t>(-size.offset) : 0;
-  shape.low = size.offset > 0 ? static_cast<std::size_t>(size.offset) : 0;
-  shape.degree = shape.low + size.coefficients - 1;
-  shape.free_order = free_order;
+  shape.integrators = numerator.offset < 0 ? static_cast<std::size_t>(-numerator.offset) : 0;
+  shape.low = numerator.offset > 0 ? static_cast<std::size_t>(numerator.offset) : 0;
+  shape.degree = shape.low + numerator.coefficients - 1;
   return shape;
 }
 
 constexpr int largest_offset = 4;
+
+/// Sorts, best first, and leaves so many that differ.
+void keep_best(std::vector<RationalFit>& fits, std::size_t most) {
+  constexpr double alike = 1e-4;
+  std::stable_sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::vector<RationalFit> best;
+  for (RationalFit& fit : fits) {
+    if (best.size() == most || !std::isfinite(fit.cost)) break;
+    if (best.empty() || fit.cost > best.back().cost * (1 + alike)) best.push_back(std::move(fit));
+  }
+  fits = std::move(best);
+}
+
+/// A numerator over denominators of one number of poles.
+struct Ratio {
+  Numerator numerator;
+  std::vector<RationalFit> starts, found;  // found: best first
+};
 
 class Ratios {
  public:
   Ratios(const EconomyProblem& given, EconomyClass model_class)
       : given_(given),
         free_order_(model_class == EconomyClass::commensurate),
+        most_(given.options.most_parameters - (free_order_ ? 1 : 0)),
         full_(given.data, given.rule, Poles::stable),
         scout_(thin(given)) {}
 
   EconomyCurve curve(EconomyClass model_class) {
     EconomyCurve result{std::string(to_string(model_class)), model_class, {}};
-    const std::size_t own = free_order_ ? 1 : 0;  // the order
-    for (std::size_t count = 1; count + own <= given_.options.most_parameters; ++count) {
-      const std::vector<RatioSize> sizes = sizes_of(count);
-      std::vector<RationalFit> scouted;
-      for (const RatioSize& size : sizes) search(size, scouted);
-      std::stable_sort(scouted.begin(), scouted.end(), cheaper);
-      exchange(sizes, scouted);
-      std::stable_sort(scouted.begin(), scouted.end(), cheaper);
+    std::vector<std::vector<RationalFit>> by_count(most_);
+    for (std::size_t poles = 0; poles < most_; ++poles) {
+      search(poles);
+      for (const Ratio& ratio : by_poles_[poles]) {
+        auto& all = by_count[poles + ratio.numerator.seen - 1];
+        all.insert(all.end(), ratio.found.begin(), ratio.found.end());
+      }
+    }
+    for (std::size_t count = 1; count <= most_; ++count) {
+      constexpr std::size_t ended = 4;
+      keep_best(by_count[count - 1], ended);
       RationalFit best{{}, infinity, 0};
-      constexpr std::size_t tried = 6;
-      for (std::size_t i = 0; i < std::min(tried, scouted.size()); ++i) {
-        RationalFit fit = full_.refine(scouted[i].shape, to_the_end);
-        if (fit.cost < best.cost) best = std::move(fit);
+      for (const RationalFit& fit : by_count[count - 1]) {
+        RationalFit end = full_.refine(fit.shape, to_the_end);
+        if (end.cost < best.cost) best = std::move(end);
       }
       if (!std::isfinite(best.cost)) continue;
       const NamedModel model = written_out(full_, best.shape, given_.options.component);
       const bool fractional = best.shape.searches_order() && !is_whole(best.shape.order);
       const double error = economy_error(given_, best.cost);
-      add_point(result, {count + own, error, false, fractional, with_numbers(model)});
+      add_point(result, {count + (free_order_ ? 1 : 0), error, false, fractional, with_numbers(model)});
       if (error <= economy_rounding) break;
     }
     return result;
   }
 
  private:
-  static bool cheaper(const RationalFit& a, const RationalFit& b) { return a.cost < b.cost; }
-
   static RationalProblem thin(const EconomyProblem& given) {
     constexpr std::size_t scouted = 48;  // six times as many as parameters
     const Thinned few = thinned(given.data, given.rule, scouted);
     return RationalProblem(few.data, few.rule, Poles::stable);
   }
 
-  /// Coefficients that the component tells apart.  Of one component of a ratio in s the numerator times the conjugate
-  /// denominator is seen at every other power.
-  [[nodiscard]] std::size_t seen(const RatioSize& size) const {
-    if (free_order_ || !full_.one_part()) return size.coefficients;
-    return std::min(size.coefficients, powers(size).second);
-  }
-  /// The lowest power of omega that is seen, and how many are.
-  [[nodiscard]] std::pair<int, std::size_t> powers(const RatioSize& size) const {
+  /// Numerators over so many poles that leave the parameters within the limit, each once.
+  [[nodiscard]] std::vector<Ratio> ratios(std::size_t poles) const {
+    std::vector<Ratio> result;
+    const bool by_parity = !free_order_ && full_.one_part();
     const int parity = given_.options.component == Component::imaginary ? 1 : 0;
-    const int last = size.offset + static_cast<int>(size.coefficients + size.poles) - 1;
-    const int first = size.offset + ((size.offset % 2 + 2) % 2 == parity ? 0 : 1);
-    return {first, first > last ? 0 : static_cast<std::size_t>((last - first) / 2 + 1)};
-  }
-
-  /// All shapes with that many parameters, each once.
-  [[nodiscard]] std::vector<RatioSize> sizes_of(std::size_t count) const {
-    std::vector<RatioSize> sizes;
-    std::vector<std::pair<std::size_t, std::pair<int, std::size_t>>> complete;
-    for (std::size_t poles = 0; poles < count; ++poles) {
+    std::vector<std::pair<int, std::size_t>> complete;
+    const std::size_t most_seen = most_ - poles;
+    for (std::size_t coefficients = 1; coefficients <= (by_parity ? 2 : 1) * most_seen; ++coefficients) {
       for (int offset = -largest_offset; offset <= largest_offset; ++offset) {
-        for (std::size_t coefficients = count - poles; coefficients <= 2 * (count - poles); ++coefficients) {
-          const RatioSize size{poles, coefficients, offset};
-          const std::size_t visible = seen(size);
-          if (visible != count - poles) continue;
-          if (!free_order_ && full_.one_part() && visible == powers(size).second) {
-            // Numerators of all that is seen: alike for all shapes with these powers.
-            const std::pair key{poles, powers(size)};
+        std::size_t seen = coefficients;
+        if (by_parity) {
+          // Of one component of a ratio in s the numerator times the conjugate denominator is seen at every other
+          // power.  Numerators of all that is seen are alike for all with these powers.
+          const int last = offset + static_cast<int>(coefficients + poles) - 1,
+                    first = offset + (std::abs(offset % 2) == parity ? 0 : 1);
+          const std::size_t powers = first > last ? 0 : static_cast<std::size_t>((last - first) / 2 + 1);
+          seen = std::min(seen, powers);
+          if (seen == powers) {
+            const std::pair key{first, powers};
             if (std::find(complete.begin(), complete.end(), key) != complete.end()) continue;
             complete.push_back(key);
           }
-          sizes.push_back(size);
         }
+        if (seen > 0 && seen <= most_seen) result.push_back({{offset, coefficients, seen}, {}, {}});
       }
-    }
-    return sizes;
-  }
-
-  [[nodiscard]] const std::vector<RationalFit>& found(const RatioSize& size) const {
-    static const std::vector<RationalFit> none;
-    const auto at = found_.find(size);
-    return at == found_.end() ? none : at->second;
-  }
-
-  /// Smaller shapes that the one contains with so many poles less, or with other numerators over the same.
-  [[nodiscard]] std::vector<RationalShape> parents(const RatioSize& size, std::size_t fewer) const {
-    std::vector<RationalShape> result;
-    if (fewer == size.poles) {
-      result.emplace_back();
-      return result;
-    }
-    for (const auto& [other, fits] : found_) {
-      if (other.poles + fewer != size.poles || other.coefficients > size.coefficients) continue;
-      const int last = size.offset + static_cast<int>(size.coefficients),
-                other_last = other.offset + static_cast<int>(other.coefficients);
-      if (std::abs(size.offset - other.offset) > 1 || std::abs(last - other_last) > 1) continue;
-      for (const RationalFit& fit : fits) result.push_back(fit.shape);
     }
     return result;
   }
 
-  void add_minima(const RatioSize& size, const RationalShape& parent, const PoleFactor& kind, double order, int places,
-                  std::vector<RationalFit>& starts) const {
+  /// A parent's denominator with a factor of so many roots more, or none, along a lattice of order, damping and place.
+  struct Lattice {
+    RationalShape parent;
+    std::size_t roots;
+    std::vector<double> orders, dampings, places;
+
+    [[nodiscard]] std::size_t size() const { return orders.size() * dampings.size() * places.size(); }
+    [[nodiscard]] RationalShape at(std::size_t i) const {
+      RationalShape shape = parent;
+      const std::size_t line = i / places.size();
+      shape.order = orders[line / dampings.size()];
+      if (roots > 0)
+        shape.factors.push_back({roots == 2, places[i % places.size()], dampings[line % dampings.size()], 1});
+      return shape;
+    }
+    /// Whether none beside it is less.
+    [[nodiscard]] bool is_minimum(const std::vector<double>& cost, std::size_t i) const {
+      std::size_t stride = 1;
+      for (const std::size_t length : {places.size(), dampings.size(), orders.size()}) {
+        const std::size_t along = i / stride % length;
+        if (along > 0 && !(cost[i] <= cost[i - stride])) return false;
+        if (along + 1 < length && !(cost[i] < cost[i + stride])) return false;
+        stride *= length;
+      }
+      return true;
+    }
+  };
+
+  [[nodiscard]] Lattice lattice(const RationalShape& parent, std::size_t roots) const {
+    Lattice result{parent, roots, {parent.order}, {0}, {0}};
+    if (parent.free_order && parent.factors.empty()) result.orders = spread(least_order, most_order, 11);
+    if (roots == 2) result.dampings = {0.03, 0.25, 0.6};
     constexpr double margin = 3;
-    const double first = full_.log_lower() - margin, last = full_.log_upper() + margin;
-    std::vector<RationalFit> along;
-    for (int i = 0; i < places; ++i) {
-      RationalShape shape = shape_of(size, parent, free_order_);
-      shape.order = order;
-      shape.factors.push_back(kind);
-      shape.factors.back().log_size = first + (last - first) * i / (places - 1);
-      along.push_back(scout_.at(shape));
+    if (roots > 0) {
+      result.places = spread(scout_.log_lower() - margin, scout_.log_upper() + margin, roots == 2 ? 10 : 12);
     }
-    add_local_minima(std::move(along), starts);
+    return result;
   }
 
-  /// Appends the best shapes with each of their factors in other places: one that suited a smaller ratio may suit the
-  /// larger one elsewhere.
-  void exchange(const std::vector<RatioSize>& sizes, std::vector<RationalFit>& all) {
-    constexpr std::size_t exchanged = 4, tried = 4;
-    const std::vector<RationalFit> best(all.begin(),
-                                        all.begin() + static_cast<std::ptrdiff_t>(std::min(exchanged, all.size())));
-    for (const RationalFit& fit : best) {
-      const auto size = std::find_if(sizes.begin(), sizes.end(), [&](const RatioSize& each) {
-        const RationalShape shape = shape_of(each, fit.shape, free_order_);
-        std::size_t roots = 0;
-        for (const PoleFactor& factor : fit.shape.factors) roots += factor.pair ? 2 : 1;
-        return roots == each.poles && shape.low == fit.shape.low && shape.integrators == fit.shape.integrators &&
-               shape.degree == fit.shape.degree;
-      });
-      if (size == sizes.end()) continue;
-      std::vector<RationalFit> starts;
-      for (std::size_t k = 0; k < fit.shape.factors.size(); ++k) {
-        RationalShape rest = fit.shape;
-        const bool pair = rest.factors[k].pair;
-        rest.factors.erase(rest.factors.begin() + static_cast<std::ptrdiff_t>(k));
-        add_factors(*size, rest, rest.order, pair, starts);
+  static std::vector<double> spread(double first, double last, int count) {
+    std::vector<double> values;
+    for (int i = 0; i < count; ++i) values.push_back(first + (last - first) * i / (count - 1));
+    return values;
+  }
+
+  /// What each numerator of the list leaves over a denominator, infinite where its offset is beyond the limits.  The
+  /// powers of z are taken from the data one by one, and from the powers after them: each cost is that of the one
+  /// before less a product.
+  [[nodiscard]] std::vector<double> costs(const RationalShape& denominator, const std::vector<Ratio>& list, int first,
+                                          int last) const {
+    std::vector<double> result(list.size(), infinity);
+    std::size_t most = 1;
+    for (const Ratio& ratio : list) most = std::max(most, ratio.numerator.coefficients);
+    RationalShape plain = denominator;
+    plain.integrators = plain.low = plain.degree = 0;
+    const Eigen::VectorXcd inverse = scout_.columns(plain).col(0);
+    Eigen::MatrixXcd columns(inverse.size(), last - first + static_cast<int>(most));
+    const Eigen::ArrayXcd z = free_order_ ? scout_.power(denominator.order) : scout_.s().array();
+    for (Index k = 0; k < columns.cols(); ++k) {
+      if (k == 0) {
+        columns.col(0) = (inverse.array() * scout_.power(denominator.order * first)).matrix();
+      } else {
+        columns.col(k) = (columns.col(k - 1).array() * z).matrix();
       }
-      std::stable_sort(starts.begin(), starts.end(), cheaper);
-      for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
-        if (std::isfinite(starts[i].cost)) all.push_back(scout_.refine(starts[i].shape, scouting));
+    }
+    const auto seen = scout_.weighted(columns);
+    if (!seen) return result;
+    std::vector<double> of_offset(most);
+    for (int offset = first; offset <= last; ++offset) {
+      Eigen::MatrixXd left = seen->matrix.middleCols(offset - first, static_cast<Index>(most));
+      Eigen::VectorXd residual = scout_.target();
+      for (Index k = 0; k < left.cols(); ++k) {
+        constexpr double dependent = 1e-11;
+        const auto taken = left.col(k);
+        const double square = taken.squaredNorm();
+        if (square > dependent * dependent) {
+          residual -= taken * (taken.dot(residual) / square);
+          for (Index after = k + 1; after < left.cols(); ++after) {
+            left.col(after) -= taken * (taken.dot(left.col(after)) / square);
+          }
+        }
+        of_offset[static_cast<std::size_t>(k)] = residual.squaredNorm();
+      }
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if (list[i].numerator.offset == offset) result[i] = of_offset[list[i].numerator.coefficients - 1];
+      }
+    }
+    return result;
+  }
+
+  /// Adds to the starts of numerators about a parent's the minima of a lattice.
+  void add_minima(const Lattice& all, std::vector<Ratio>& list, int first, int last) const {
+    std::vector<std::vector<double>> along(list.size(), std::vector<double>(all.size()));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::vector<double> each = costs(all.at(i), list, first, last);
+      for (std::size_t k = 0; k < list.size(); ++k) along[k][i] = each[k];
+    }
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (std::isfinite(along[k][i]) && all.is_minimum(along[k], i)) add_start(list[k], all.at(i), along[k][i]);
       }
     }
   }
-
-  /// Appends the parent with one factor more at each local minimum along the band.
-  void add_factors(const RatioSize& size, const RationalShape& parent, double order, bool pair,
-                   std::vector<RationalFit>& starts) const {
-    if (!pair) {
-      add_minima(size, parent, {false, 0, 0, 1}, order, 12, starts);
-      return;
-    }
-    for (const double damping : {0.05, 0.4}) add_minima(size, parent, {true, 0, damping, 1}, order, 10, starts);
+  static void add_start(Ratio& ratio, const RationalShape& denominator, double cost) {
+    ratio.starts.push_back({shape_of(ratio.numerator, denominator), cost, 0});
   }
 
-  void search(const RatioSize& size, std::vector<RationalFit>& all) {
-    std::vector<RationalFit> starts;
-    const auto orders = [&](const RationalShape& parent) {
-      if (!free_order_) return std::vector<double>{1};
-      return parent.factors.empty() ? std::vector<double>{0.15, 0.3, 0.5, 0.75, 1, 1.3}
-                                    : std::vector<double>{parent.order};
-    };
-    if (size.poles == 0) {
-      for (const double order : orders({})) {
-        RationalShape shape = shape_of(size, {}, free_order_);
-        shape.order = order;
-        starts.push_back(scout_.at(shape));
+  void refine(std::vector<Ratio>& list, std::size_t tried) {
+    constexpr std::size_t kept = 3;
+    for (Ratio& ratio : list) {
+      keep_best(ratio.starts, tried);
+      for (const RationalFit& start : ratio.starts) ratio.found.push_back(scout_.refine(start.shape, thorough));
+      ratio.starts.clear();
+      keep_best(ratio.found, kept);
+    }
+  }
+
+  /// Of each number of coefficients the best ratios of all offsets.
+  [[nodiscard]] static std::vector<std::pair<int, RationalShape>> best_of(const std::vector<Ratio>& list,
+                                                                          std::size_t most) {
+    std::vector<std::pair<int, RationalShape>> result;
+    std::size_t largest = 0;
+    for (const Ratio& ratio : list) largest = std::max(largest, ratio.numerator.seen);
+    for (std::size_t seen = 1; seen <= largest; ++seen) {
+      std::vector<RationalFit> best;
+      for (const Ratio& ratio : list) {
+        if (ratio.numerator.seen == seen) best.insert(best.end(), ratio.found.begin(), ratio.found.end());
+      }
+      keep_best(best, most);
+      for (const RationalFit& fit : best) {
+        result.emplace_back(static_cast<int>(fit.shape.low) - static_cast<int>(fit.shape.integrators), fit.shape);
       }
     }
-    if (size.poles > 0) {
-      for (const RationalShape& parent : parents(size, 0))
-        starts.push_back(scout_.at(shape_of(size, parent, free_order_)));
-      for (const std::size_t roots : {1u, 2u}) {
-        if (roots > size.poles) continue;
-        for (const RationalShape& parent : parents(size, roots)) {
-          for (const double order : orders(parent)) add_factors(size, parent, order, roots == 2, starts);
+    return result;
+  }
+
+  /// Starts of a parent with a factor of so many roots more, for numerators about its own.
+  void grow(const std::pair<int, RationalShape>& from, std::size_t roots, std::vector<Ratio>& list) const {
+    const int around = !free_order_ && full_.one_part() ? 2 : 1;  // every other power is seen
+    add_minima(lattice(from.second, roots), list, std::max(-largest_offset, from.first - around),
+               std::min(largest_offset, from.first + around));
+  }
+
+  void search(std::size_t poles) {
+    std::vector<Ratio> list = ratios(poles);
+    constexpr std::size_t parents = 4, exchanged = 3, rounds = 2, tried = 5, tried_again = 3;
+    RationalShape none;
+    none.free_order = free_order_;
+    for (std::size_t roots = 0; roots <= std::min<std::size_t>(poles, 2); ++roots) {
+      if (roots == poles) {
+        add_minima(lattice(none, roots), list, -largest_offset, largest_offset);
+      } else if (roots > 0) {
+        for (const auto& parent : best_of(by_poles_[poles - roots], parents)) grow(parent, roots, list);
+      }
+    }
+    refine(list, tried);
+    // A denominator that suits one numerator may suit another, and a factor that suited a smaller ratio may suit the
+    // larger one elsewhere.
+    for (std::size_t round = 0; round < rounds; ++round) {
+      for (const auto& [offset, shape] : best_of(list, exchanged)) {
+        const std::vector<double> each = costs(shape, list, -largest_offset, largest_offset);
+        for (std::size_t k = 0; k < list.size(); ++k) {
+          if (list[k].found.empty() || each[k] < list[k].found.front().cost) add_start(list[k], shape, each[k]);
+        }
+        for (std::size_t k = 0; k < shape.factors.size(); ++k) {
+          RationalShape rest = shape;
+          rest.factors.erase(rest.factors.begin() + static_cast<std::ptrdiff_t>(k));
+          grow({offset, rest}, shape.factors[k].pair ? 2 : 1, list);
         }
       }
+      refine(list, tried_again);
     }
-    std::stable_sort(starts.begin(), starts.end(), cheaper);
-    constexpr std::size_t tried = 4, kept = 2;
-    std::vector<RationalFit> fits;
-    for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
-      if (!std::isfinite(starts[i].cost)) break;
-      fits.push_back(scout_.refine(starts[i].shape, scouting));
-    }
-    std::stable_sort(fits.begin(), fits.end(), cheaper);
-    std::vector<RationalFit>& mine = found_[size];
-    for (RationalFit& fit : fits) {
-      if (!std::isfinite(fit.cost) || mine.size() == kept) break;
-      if (!mine.empty() && fit.cost < mine.back().cost * 1.001) continue;
-      all.push_back(fit);
-      mine.push_back(std::move(fit));
-    }
+    by_poles_.push_back(std::move(list));
   }
 
   const EconomyProblem& given_;
   bool free_order_;
+  std::size_t most_;
   RationalProblem full_, scout_;
-  std::map<RatioSize, std::vector<RationalFit>> found_;
+  std::vector<std::vector<Ratio>> by_poles_;
 };
 
 }  // namespace

@@ -113,7 +113,7 @@ class TermSearch {
       add_local_minima(problem_.along(sum, line), starts);
       std::stable_sort(starts.begin(), starts.end(), cheaper);
       for (std::size_t i = 0; i < std::min(refined_of_kind, starts.size()); ++i) {
-        refined.push_back(problem_.refine(std::move(starts[i].sum), scouting));
+        refined.push_back(problem_.refine(std::move(starts[i].sum), thorough));
       }
     }
   }

@@ -17,6 +17,11 @@ using Index = Eigen::Index;
 
 namespace {
 
+/// Whether squares have neither overflowed nor vanished: the weights of data of 1e-200 are 1e200.
+bool is_in_range(double length) {
+  return length >= 1e-100 && length <= 1e100;
+}
+
 /// By least squares.
 double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd& value) {
   const double half_decade = std::log(10.0) / 2;
@@ -70,8 +75,10 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
 }
 
 double ProjectedData::unseen_length(const Eigen::VectorXcd& values) const {
-  return form_ == ResidualForm::real ? weight_.cwiseProduct(values.imag()).stableNorm()
-                                     : weight_.cwiseProduct(values.real()).stableNorm();
+  const Eigen::VectorXd unseen = weight_.cwiseProduct(form_ == ResidualForm::real ? Eigen::VectorXd(values.imag())
+                                                                                  : Eigen::VectorXd(values.real()));
+  const double length = unseen.norm();
+  return is_in_range(length) ? length : unseen.stableNorm();
 }
 
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
@@ -89,9 +96,7 @@ std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::Matr
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
   Eigen::VectorXd length = matrix.colwise().norm();
-  // The weights of data of 1e-200 are 1e200, whose squares overflow.
-  constexpr double least = 1e-100, most = 1e100;
-  if (!(length.array() >= least && length.array() <= most).all()) length = matrix.colwise().stableNorm();
+  if (!std::all_of(length.begin(), length.end(), is_in_range)) length = matrix.colwise().stableNorm();
   if (!length.allFinite()) return std::nullopt;
   // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
   for (Index k = 0; k < length.size(); ++k) {

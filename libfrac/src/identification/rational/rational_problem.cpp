@@ -85,6 +85,56 @@ void split_real_pairs(RationalShape& shape) {
   sort_by_size(shape.factors);
 }
 
+/// d ln factor / d order, of which every power (s/size)^order makes (s/size)^order ln(s/size).
+Eigen::ArrayXcd factor_by_order(const PoleFactor& factor, const Eigen::ArrayXcd& z, const Eigen::ArrayXcd& log_s,
+                                double order) {
+  const Eigen::ArrayXcd at = scaled(factor, z, order);
+  const Eigen::ArrayXcd share = at * (log_s - factor.log_size) * reciprocal(factor_values(factor, z, order));
+  if (!factor.pair) return factor.sign * share;
+  return 2 * share * (at + std::sinh(factor.damping));
+}
+
+/// The numerators of degree `degree` are spanned by the partial products of the factors, slowest first, so that each
+/// column is the response of the faster poles alone: far better conditioned than powers of z.
+/// @param with_order  whether the order is searched for
+/// @param visit  gets each column and d ln column / d order, which has no entries unless asked for
+template <class Visit>
+void visit_columns(const ProjectedData& data, const RationalShape& shape, bool with_order, const Visit& visit) {
+  const Eigen::ArrayXcd z = powers(data, shape.order), log_s = data.log_s().array();
+  Eigen::ArrayXcd column = Eigen::ArrayXcd::Ones(z.size()), by_order;
+  if (shape.delayed) column = data.delayed(shape.delay);
+  for (std::size_t i = shape.low; i < shape.integrators; ++i) column /= z;
+  for (std::size_t i = shape.integrators; i < shape.low; ++i) column *= z;
+  if (with_order) by_order = (static_cast<double>(shape.low) - static_cast<double>(shape.integrators)) * log_s;
+  std::vector<Eigen::ArrayXcd> of_factor, change;
+  for (const PoleFactor& factor : shape.factors) {
+    of_factor.push_back(factor_values(factor, z, shape.order));
+    column *= reciprocal(of_factor.back());
+    if (!with_order) continue;
+    change.push_back(factor_by_order(factor, z, log_s, shape.order));
+    by_order -= change.back();
+  }
+  const std::size_t count = shape.degree - shape.low + 1;
+  std::size_t filled = 0;
+  for (std::size_t i = 0; i < shape.factors.size() && filled < count; ++i) {
+    const PoleFactor& factor = shape.factors[i];
+    visit(column, by_order);
+    ++filled;
+    if (factor.pair && filled < count) {
+      const Eigen::ArrayXcd next = column * scaled(factor, z, shape.order);
+      visit(next, with_order ? Eigen::ArrayXcd(by_order + log_s - factor.log_size) : by_order);
+      ++filled;
+    }
+    column *= of_factor[i];
+    if (with_order) by_order += change[i];
+  }
+  for (; filled < count; ++filled) {
+    visit(column, by_order);
+    column *= z;
+    if (with_order) by_order += log_s;
+  }
+}
+
 }  // namespace
 
 RationalProblem::RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles)
@@ -107,34 +157,12 @@ std::size_t RationalShape::relaxations() const {
   return static_cast<std::size_t>(std::count_if(factors.begin(), factors.end(), stable)) + (delayed ? 1 : 0);
 }
 
-// The numerators of degree `degree` are spanned by the partial products of the factors, slowest first, so that each
-// column is the response of the faster poles alone: far better conditioned than powers of z.
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
-  const Eigen::ArrayXcd z = powers(*this, shape.order);
-  Eigen::ArrayXcd column = Eigen::ArrayXcd::Ones(z.size());
-  if (shape.delayed) column = delayed(shape.delay);
-  for (std::size_t i = shape.low; i < shape.integrators; ++i) column /= z;
-  for (std::size_t i = shape.integrators; i < shape.low; ++i) column *= z;
-  std::vector<Eigen::ArrayXcd> of_factor;
-  for (const PoleFactor& factor : shape.factors) {
-    of_factor.push_back(factor_values(factor, z, shape.order));
-    column *= reciprocal(of_factor.back());
-  }
-  const auto count = static_cast<Index>(shape.degree - shape.low + 1);
-  Eigen::MatrixXcd result(z.size(), count);
+  Eigen::MatrixXcd result(s().size(), static_cast<Index>(shape.degree - shape.low + 1));
   Index filled = 0;
-  const auto add = [&](const Eigen::ArrayXcd& values) {
-    if (filled < count) result.col(filled++) = values.matrix();
-  };
-  for (std::size_t i = 0; i < shape.factors.size() && filled < count; ++i) {
-    add(column);
-    if (shape.factors[i].pair) add(column * scaled(shape.factors[i], z, shape.order));
-    column *= of_factor[i];
-  }
-  while (filled < count) {
-    add(column);
-    column *= z;
-  }
+  visit_columns(*this, shape, false, [&](const Eigen::ArrayXcd& column, const Eigen::ArrayXcd& /*by_order*/) {
+    result.col(filled++) = column.matrix();
+  });
   return result;
 }
 
@@ -165,13 +193,12 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
   }
   if (shape.delayed) result.col(column++) = (-s().array() * model).matrix();
   if (shape.searches_order()) {
-    // The order stands in every column; a central difference is good to 1e-10 of them.
-    constexpr double step = 1e-5;
-    RationalShape above = shape, below = shape;
-    above.order += step;
-    below.order -= step;
-    const Eigen::MatrixXcd change = (columns(above) - columns(below)) / (2 * step);
-    result.col(column++) = change * linear.coefficients.cast<Complex>();
+    Eigen::ArrayXcd change = Eigen::ArrayXcd::Zero(z.size());
+    Index filled = 0;
+    visit_columns(*this, shape, true, [&](const Eigen::ArrayXcd& values, const Eigen::ArrayXcd& by_order) {
+      change += linear.coefficients[filled++] * values * by_order;
+    });
+    result.col(column++) = change.matrix();
   }
   return result;
 }
