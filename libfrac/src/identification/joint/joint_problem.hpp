@@ -101,9 +101,12 @@ struct JointLayout {
   const Laws& laws_;
 };
 
-/// What is fitted to a curve, by the parameters of the structure themselves.
-/// @param settled  options of its kind with what its fit alone has learned; they stay with the caller, as all else
+/// Options of a fit of one curve by itself, of its kind.
 using CurveOptions = std::variant<FitOptions, TimeFitOptions>;
+
+/// What is fitted to a curve, by the parameters of the structure themselves.
+/// @param curve, structure  stay with the caller
+/// @param settled           with what the fit of the curve alone has learned
 [[nodiscard]] std::unique_ptr<Problem> problem_of(const JointCurve& curve, const Structure& structure,
                                                   const CurveOptions& settled);
 

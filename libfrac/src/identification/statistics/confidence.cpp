@@ -82,17 +82,30 @@ Confidence nothing_known(const ParameterMap& map) {
   return result;
 }
 
+/// The largest change of the residuals by an e-fold or by the unit of a variable, whichever is less: of a gain that is
+/// nearly 0 the derivative alone, which grows as the rest of a factor does, tells nothing of the others.
+double largest_change(const ParameterMap& map, const std::vector<double>& theta, const Eigen::VectorXd& norm) {
+  double largest = 0;
+  for (Eigen::Index k = 0; k < norm.size(); ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const double step = map.free()[index].either_sign ? std::min(1.0, std::abs(theta[index])) : 1;
+    largest = std::max(largest, step * norm[k]);
+  }
+  return largest;
+}
+
 /// The columns of those variables that are seen and not at a bound; notes the others in `result`.
 std::vector<Eigen::Index> inner_columns(const ParameterMap& map, const std::vector<double>& theta,
                                         const Eigen::VectorXd& norm, Confidence& result) {
   std::vector<Eigen::Index> inner;
+  const double largest = largest_change(map, theta, norm);
   for (Eigen::Index k = 0; k < norm.size(); ++k) {
     const auto index = static_cast<std::size_t>(k);
     const ParameterMap::Free& free = map.free()[index];
     const bool at_bound = is_at_bound(theta[index], free.lower, free.upper);
     result.at_bound[free.parameter] = at_bound;
     // A logarithm at its bound has a vanishing column too, but because the data have driven it there.
-    result.seen[free.parameter] = at_bound || norm[k] > unseen_column * norm.maxCoeff();
+    result.seen[free.parameter] = at_bound || norm[k] > unseen_column * largest;
     if (!result.seen[free.parameter]) {
       result.identified[free.parameter] = false;
     } else if (at_bound) {
