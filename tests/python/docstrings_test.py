@@ -7,9 +7,14 @@ import inspect
 import os
 import pathlib
 
+import numpy as np
 import pytest
 
 import fracfit
+
+# NumPy 2 writes the type of each scalar beside its value; the examples show values.
+if int(np.__version__.split(".")[0]) >= 2:
+    np.set_printoptions(legacy="1.25")
 
 MODULES = sorted(path.stem for path in pathlib.Path(fracfit.__file__).parent.glob("*.py"))
 

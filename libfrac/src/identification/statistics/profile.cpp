@@ -93,7 +93,8 @@ class Profile {
     if (!std::isfinite(residuals.cost(start))) return infinity;
     const LocalSolution solution = local_solve(residuals, start, options_);
     if (!std::isfinite(solution.objective)) return infinity;
-    below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
+    // Costs at rounding are all the same.
+    below_minimum_ = below_minimum_ || solution.objective + residuals.rounding_cost() < best_objective_ * (1 - 1e-6);
     const double rise = std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
     if (rise < outside) inside_ = map.to_user(solution.theta);
     return rise;
