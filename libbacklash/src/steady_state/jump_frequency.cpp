@@ -63,9 +63,9 @@ JumpFrequency two_impact_loss(double restitution) {
 
 JumpFrequency symmetry_loss(double restitution) {
   if (restitution == 0) {
-    std::string message(sticks);
-    message += ", and the motion stays symmetric";
-    return {std::nullopt, std::move(message)};
+    return {std::nullopt,
+            "at restitution 0 the masses stick after each impact, so that the symmetric motion remains at every lower "
+            "frequency"};
   }
   const detail::SymmetryLoss loss = detail::symmetry_loss(restitution);
   const char* message =
