@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/joint_fit.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "identification/data/formula_checks.hpp"
+#include "identification/statistics/prior_weight.hpp"
 #include "joint_confidence.hpp"
 #include "joint_result.hpp"
 #include "joint_search.hpp"
@@ -15,23 +16,17 @@
 namespace frac {
 namespace {
 
-/// Priors weigh against the residuals by the noise that these tell, so that the solution moves until that stays.
+/// The errors at the solution, and the solution, once the priors are weighed; in units of the noise of the fits alone.
 detail::JointConfidence weighed_confidence(std::vector<detail::CurveResiduals>& curves,
                                            const detail::JointLayout& layout, detail::JointPoint& point) {
-  constexpr double least = 1e-9;  // of the noise of the fits alone
-  constexpr double settled = 1e-4;
-  constexpr int most_rounds = 20;
   detail::JointConfidence found = joint_confidence(curves, layout, point);
   if (layout.shared_priors.empty() && layout.own_priors.empty()) return found;
-  for (int round = 0; round < most_rounds && found.loss_unit >= 0; ++round) {
-    const double noise = std::max(std::sqrt(found.loss_unit), least);
-    if (std::abs(noise - curves.front().prior_weight()) <= settled * noise) break;
+  return detail::weighed_by_noise(std::move(found), curves.front().prior_weight(), [&](double noise) {
     for (detail::CurveResiduals& curve : curves) curve.set_prior_weight(noise);
     constexpr double cost_tolerance = 1e-14;
     point = joint_solve(curves, layout, std::move(point), cost_tolerance);
-    found = joint_confidence(curves, layout, point);
-  }
-  return found;
+    return joint_confidence(curves, layout, point);
+  });
 }
 
 JointFitResult fitted(const std::vector<JointCurve>& curves, const Structure& master, const JointFitOptions& given) {

@@ -11,6 +11,7 @@
 #include "frac/identification/statistics.hpp"
 #include "identification/residuals/loss.hpp"
 #include "identification/search/reduced_jacobian.hpp"
+#include "prior_weight.hpp"
 
 namespace frac::detail {
 
@@ -278,19 +279,14 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
 }
 
 Confidence weighed_confidence(Problem& problem, LocalSolution& solution, const LocalOptions& options) {
-  constexpr double least = 1e-9;  // of the data: noise of exact data, which priors still complete
-  constexpr double settled = 1e-4;
-  constexpr int most_rounds = 20;
   Residuals& residuals = problem.residuals();
   Confidence found = confidence(residuals, solution, options);
-  for (int round = 0; round < most_rounds && !problem.priors.empty() && found.loss_unit >= 0; ++round) {
-    const double noise = std::max(std::sqrt(found.loss_unit), least);
-    if (std::abs(noise - residuals.prior_weight()) <= settled * noise) break;
+  if (problem.priors.empty()) return found;
+  return weighed_by_noise(std::move(found), residuals.prior_weight(), [&](double noise) {
     residuals.set_priors(problem.priors, noise);
     solution = local_solve(residuals, solution.theta, options);
-    found = confidence(residuals, solution, options);
-  }
-  return found;
+    return confidence(residuals, solution, options);
+  });
 }
 
 }  // namespace frac::detail
