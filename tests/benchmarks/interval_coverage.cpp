@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coverage of the 95 % intervals by the kind of noise: white, correlated along the axis, additive, mixed.  Prints
-// case,noise,points,parameter,coverage,median relative half width,seconds.  Arguments: [trials] [kind].
+// Coverage of the 95 % intervals by the kind of noise: white, correlated along the axis, additive, mixed,
+// and a smooth error.  Prints case,noise,points,parameter,coverage,median relative half width,seconds.  Arguments:
+// [trials] [kind].
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "support/coverage.hpp"
@@ -43,6 +45,24 @@ int main(int argc, char** argv) {
           support::CoverageCase scene{model, points, relative, additive * support::largest_value(model)};
           scene.weight = frac::Weight::learned;
           print(scene, relative == 0 ? "additive" : additive == 0 ? "relative" : "both, additive", additive, trials);
+        }
+      }
+    }
+    // A smooth error of the whole response beside white noise of .3 %.
+    if (only.empty() || only == "smooth") {
+      using Kind = support::SmoothDeviation::Kind;
+      for (const int points : {40, 200}) {
+        for (const double deviation : {0.0, 0.003, 0.01, 0.03}) {
+          for (const auto& [kind, name, length] : {std::tuple{Kind::process, "process of length 1, share", 1.0},
+                                                   {Kind::process, "process of length 3, share", 3.0},
+                                                   {Kind::wave, "wave of quarter 3, share", 3.0},
+                                                   {Kind::slope, "gain and slope, share", 1.0}}) {
+            support::CoverageCase scene{model, points, 0.003};
+            scene.weight = frac::Weight::learned;
+            scene.smooth = {kind, deviation, length};
+            print(scene, name, deviation, trials);
+            if (deviation == 0) break;
+          }
         }
       }
     }

@@ -74,8 +74,10 @@ TEST(Priors, MeetTheClosedFormOfAMean) {
   ASSERT_EQ(result.priors.size(), 1u);
   EXPECT_NEAR(result.priors[0].distance, (mean - 2.1) / 0.03, 1e-3);
   // Prior and mean are independent, so their difference has the sum of their variances.
-  const double apart = (mean_of_real_part(data) - 2.1) / std::sqrt(1 / of_data + 1 / of_prior);
-  EXPECT_NEAR(result.priors[0].conflict, apart, 0.05 * std::abs(apart));  // but for the widening, of a few per cent
+  // A widening w is that of the estimate, of which the mean has the share of_data/(of_data + of_prior).
+  const double added = (std::pow(result.parameters[0].widening, 2) - 1) * (of_data + of_prior) / (of_data * of_data);
+  const double apart = (mean_of_real_part(data) - 2.1) / std::sqrt(1 / of_data + added + 1 / of_prior);
+  EXPECT_NEAR(result.priors[0].conflict, apart, 1e-3 * std::abs(apart));
   // The profile follows a parabola here.
   const ProfileInterval profile = profile_interval(data, options, result, "A");
   const double half = student_t_95(40 - result.effective_parameters) * result.parameters[0].standard_error;

@@ -264,7 +264,7 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   };
   const Eigen::VectorXd last = least_squares(all, residual).first;
   const double correlation =
-      detail::CorrelatedNoise({last.data(), static_cast<std::size_t>(last.size())}, all, 1).correlation();
+      detail::CorrelatedNoise({last.data(), static_cast<std::size_t>(last.size())}, all, {1}).correlation();
   const auto freed = [&](const Eigen::MatrixXd& values) -> Eigen::MatrixXd {
     Eigen::MatrixXd result = values;
     result.bottomRows(values.rows() - 1) -= correlation * values.topRows(values.rows() - 1);

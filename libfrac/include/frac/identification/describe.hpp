@@ -105,6 +105,7 @@ void describe(Result& result, const Visit& visit) {
   visit("condition", "1", "condition of the scaled Fisher matrix", result.condition);
   visit("noise_correlation", "1", "correlation of neighbouring values of the noise, which intervals allow for",
         result.noise_correlation);
+  visit("smooth_error", "residual", "smooth part of the residuals, which intervals allow for", result.smooth_error);
   visit("noise_floor", "value", "floor of weight learned, below which the noise is additive; 0 without one",
         result.noise_floor);
   visit("seconds", "s", "time that the fit took", result.seconds);

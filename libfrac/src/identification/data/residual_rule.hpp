@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct ResidualRule {
   /// Root mean square of the weighted data (1 where the residual is a pure number).  Residuals are computed in this
   /// unit, so that solver tolerances mean the same for data of 1e-18 and of 1e18.
   double unit;
+  /// Where weights are 1/hypot(|datum|, floor), which the noise of the datum moves.
+  std::optional<double> floor = {};
 
   [[nodiscard]] std::size_t per_point() const noexcept {
     return form == ResidualForm::cartesian || form == ResidualForm::logarithmic ? 2 : 1;

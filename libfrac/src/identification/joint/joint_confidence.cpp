@@ -237,7 +237,7 @@ class JointErrors {
     Eigen::MatrixXd alone = pulls_.residual[c].head(count);
     remove_span(PivotedQr(fitted).basis(), alone);
     const Eigen::VectorXd left = alone.col(0);
-    curve.noise = {std::span(left.data(), curves_[c].count()), fitted, curves_[c].per_point()};
+    curve.noise = {std::span(left.data(), curves_[c].count()), fitted, curves_[c].axis(point_.shared, point_.own[c])};
     result_.noise_correlation += curve.noise.correlation() / static_cast<double>(curves_.size());
   }
 

@@ -124,6 +124,9 @@ class CurveResiduals {
   /// These and the priors.
   [[nodiscard]] std::size_t rows() const { return count() + layout_.own_priors.size(); }
   [[nodiscard]] std::size_t per_point() const { return residuals_.per_point(); }
+  [[nodiscard]] ResidualAxis axis(std::span<const double> shared, std::span<const double> own) const {
+    return residuals_.axis(layout_.parameters(shared, own, index_));
+  }
   /// Linear parameters of the curve, such as an offset, which the residuals are projected free of.
   [[nodiscard]] std::size_t eliminated() const { return residuals_.eliminated(); }
   /// Their derivatives of the residuals: count() x eliminated().

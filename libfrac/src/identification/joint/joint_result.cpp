@@ -107,7 +107,7 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
   }
   for (const JointPrior& prior : layout.own_priors) {
     const ParameterEstimate& estimate = result.parameters[prior.parameter];
-    result.priors.push_back(prior_estimate(prior.name, prior.prior, estimate.value, estimate.standard_error));
+    result.priors.push_back(prior_estimate(prior.name, prior.prior, estimate));
   }
   return result;
 }
@@ -205,7 +205,7 @@ void describe_shared_priors(const JointLayout& layout, JointFitResult& result) {
   for (const JointPrior& prior : layout.shared_priors) {
     const auto of = std::find_if(result.shared.begin(), result.shared.end(),
                                  [&](const ParameterEstimate& each) { return each.name == prior.name; });
-    result.priors.push_back(prior_estimate(prior.name, prior.prior, of->value, of->standard_error));
+    result.priors.push_back(prior_estimate(prior.name, prior.prior, *of));
   }
 }
 

@@ -52,6 +52,23 @@ FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const 
       gradient_(data.size() * map.parameter_count()),
       by_theta_(data.size()) {}
 
+ResidualAxis FrequencyResiduals::axis(std::span<const double> theta) const {
+  ResidualAxis axis{per_point()};
+  for (const double omega : data_.omega()) axis.position.push_back(std::log(omega));
+  const bool turns = rule_.form == ResidualForm::cartesian;
+  if (!turns && !rule_.floor) return axis;
+  structure_.response(map().to_user(theta), data_.omega(), realisation_, value_);
+  for (std::size_t i = 0; i < points(); ++i) {
+    const double size = std::abs(value_[i]);
+    std::complex<double> factor = 1;
+    if (turns && size > 0) factor = std::conj(value_[i]) / size;
+    if (rule_.floor && size > 0)
+      factor *= std::hypot(std::abs(data_.value()[i]), *rule_.floor) / std::hypot(size, *rule_.floor);
+    axis.factor.push_back(factor);
+  }
+  return axis;
+}
+
 bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   const std::vector<double> parameters = map().to_user(theta);
   if (jacobian) {

@@ -8,6 +8,7 @@
 #include "identification/data/residual_rule.hpp"
 #include "parameter_map.hpp"
 #include "priors.hpp"
+#include "residual_axis.hpp"
 
 namespace frac::detail {
 
@@ -22,6 +23,8 @@ class Residuals {
   [[nodiscard]] virtual std::size_t points() const noexcept = 0;
   [[nodiscard]] virtual std::size_t per_point() const noexcept = 0;
   [[nodiscard]] std::size_t count() const noexcept { return points() * per_point(); }
+  /// Where they stand, for a model at theta.
+  [[nodiscard]] virtual ResidualAxis axis(std::span<const double>) const { return {per_point()}; }
   [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
 
   /// Residuals at theta and, unless null, their Jacobian, one column of count() entries for each entry of theta.  False
@@ -86,6 +89,7 @@ class FrequencyResiduals final : public Residuals {
 
   [[nodiscard]] std::size_t points() const noexcept override { return data_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return rule_.per_point(); }
+  [[nodiscard]] ResidualAxis axis(std::span<const double> theta) const override;
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
   /// Only with both parts of the response, and for ratios of sums of powers; see linear_start.hpp.

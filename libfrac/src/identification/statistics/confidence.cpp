@@ -37,15 +37,15 @@ Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom,
 }
 
 /// The noise as its residuals tell it; under a loss they count as much as they pull.
-CorrelatedNoise noise_of(const Residuals& residuals, std::vector<double> residual, const Eigen::MatrixXd& fitted,
-                         const LocalOptions& options) {
+CorrelatedNoise noise_of(const Residuals& residuals, std::span<const double> theta, std::vector<double> residual,
+                         const Eigen::MatrixXd& fitted, const LocalOptions& options) {
   if (options.loss != Loss::none) {
     for (double& each : residual) each = options.loss_scale * loss_at(options.loss, each / options.loss_scale).psi;
   }
   const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
   Eigen::MatrixXd columns(fitted.rows(), fitted.cols() + eliminated.cols());
   columns << fitted, eliminated;
-  return {residual, columns, residuals.per_point()};
+  return {residual, columns, residuals.axis(theta)};
 }
 
 /// Derivatives of the priors by theta, in units of residuals; no rows where there are none.
@@ -268,7 +268,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   Eigen::MatrixXd full(static_cast<Eigen::Index>(residual.size()), norm.size());
   residuals.evaluate(solution.theta, residual.data(), full.data());
   const Eigen::MatrixXd fitted = inner.scaled(full);
-  result.noise = noise_of(residuals, residual, fitted, options);
+  result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
   result.influence = fitted * (inner.vectors * inner.inverse_sigma.asDiagonal() * spread.transpose());
   for (const std::size_t i : inner.parameter) {
     result.widening[i] = widening_of(i, priors.rows() > 0, result);

@@ -103,34 +103,43 @@ std::string remark_on_correlation(const FitResult& result, const Confidence& fou
     return std::string(text);
   };
   const std::string from = two_digits(least), to = two_digits(most);
-  char text[64];
-  std::snprintf(text, sizeof text, " Neighbouring residuals go together (correlation %.2f)", found.noise.correlation());
-  return text + std::string(", by the noise or by a smooth error of the model: intervals are ") +
-         (from == to ? from : from + " to " + to) + " times as wide as white noise would make them.";
+  std::string text;
+  if (found.noise.smooth_chance() > 0.5 * found.noise.chance()) {
+    text = " The residuals go smoothly along the axis, by an error of the data or of the model";
+  } else {
+    char correlation[64];
+    std::snprintf(correlation, sizeof correlation, " Neighbouring residuals go together (correlation %.2f)",
+                  found.noise.correlation());
+    text = correlation + std::string(", by the noise");
+  }
+  return text + ": intervals are " + (from == to ? from : from + " to " + to) +
+         " times as wide as white noise would make them.";
 }
 
 void describe_priors(FitResult& result, const Residuals& residuals) {
   if (!residuals.priors()) return;
   for (const Priors::Entry& entry : residuals.priors()->entries()) {
     const ParameterEstimate& estimate = result.parameters[entry.parameter];
-    result.priors.push_back(prior_estimate(estimate.name, entry.prior, estimate.value, estimate.standard_error));
+    result.priors.push_back(prior_estimate(estimate.name, entry.prior, estimate));
   }
   result.message += remark_on_priors(result.priors);
 }
 
 }  // namespace
 
-PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior, double value,
-                             double standard_error) {
-  PriorEstimate estimate{name, prior, prior.distance(value), nan, nan};
-  if (!std::isfinite(standard_error)) return estimate;
-  // Of a posterior of variance w in units of the prior's, what lies beside the prior has 1/(1/w - 1), so that its
-  // distance from the prior's value is distance/(1 - w), with variance 1/(1 - w).
-  const double error = standard_error * prior.slope(value);
-  estimate.share = std::min(1.0, error * error);
+PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior, const ParameterEstimate& estimate) {
+  PriorEstimate found{name, prior, prior.distance(estimate.value), nan, nan};
+  if (!std::isfinite(estimate.standard_error)) return found;
+  // In units of the prior's variance.  White noise and the prior weigh against each other: of a posterior of variance w
+  // what lies beside the prior has w/(1 - w) in white noise, so that its distance from the prior's value is
+  // distance/(1 - w).  Correlated noise adds to the variance of the estimate, of which it is the part (1 - w)^2.
+  const double error = estimate.standard_error * prior.slope(estimate.value);
+  const double white = error / estimate.widening, added = error * error - white * white;
+  found.share = std::min(1.0, white * white);
+  const double data = 1 - found.share;
   constexpr double nothing_else = 1e-6;
-  if (estimate.share < 1 - nothing_else) estimate.conflict = estimate.distance / std::sqrt(1 - estimate.share);
-  return estimate;
+  if (data > nothing_else) found.conflict = found.distance / std::sqrt(data + added);
+  return found;
 }
 
 std::string remark_on_priors(std::span<const PriorEstimate> priors) {
@@ -165,7 +174,7 @@ FitResult describe_search(const Structure& structure, const Residuals& residuals
 
 void describe_failure(FitResult& result, const Structure& structure, const ParameterMap& map, std::string message) {
   result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
-  result.noise_correlation = nan;
+  result.noise_correlation = result.smooth_error = nan;
   result.loss_cost = result.loss_scale = result.loss_unit = nan;
   result.termination = FitTermination::no_usable_start;
   result.message = std::move(message);
@@ -233,6 +242,7 @@ void describe_residuals(FitResult& result, const Residuals& residuals, const Loc
   result.loss_cost = loss_cost(residual, residuals.per_point(), options) * unit * unit;
   result.loss_scale = options.loss == Loss::none ? nan : options.loss_scale * unit;
   result.loss_unit = found.loss_unit * unit * unit;
+  result.smooth_error = found.noise.smooth_error() * unit;
   for (double& value : residual) value *= unit;
   const Information information =
       detail::information(residual, found.effective() + static_cast<double>(residuals.eliminated()), unit);

@@ -25,9 +25,9 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
                         std::span<const ParameterConstraint> constraints, const Confidence& found,
                         std::span<const double> theta);
 
-/// What became of a prior, by the estimate and its standard error.
-[[nodiscard]] PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior, double value,
-                                           double standard_error);
+/// What became of a prior, by the estimate that it had a share in.
+[[nodiscard]] PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior,
+                                           const ParameterEstimate& estimate);
 /// Sentences on priors that the data contradict and on those that tell all; empty without any.
 [[nodiscard]] std::string remark_on_priors(std::span<const PriorEstimate> priors);
 

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "smooth_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/linear_algebra.hpp"
+
+namespace frac::detail {
+
+namespace {
+
+constexpr std::size_t most_blocks = 256;
+
+/// State of the smooth error and of its slope: mean and covariance, given what was seen before.
+struct Matern {
+  double rate;  // sqrt(3)/length
+  double share;
+  double value, cross, slope;  // covariance
+
+  Matern(double smooth_share, double length)
+      : rate(std::sqrt(3.0) / length), share(smooth_share), value(share), cross(0), slope(share * rate * rate) {}
+
+  /// The transition over a distance is [[a, b], [c, d]].
+  struct Step {
+    double a, b, c, d;
+  };
+  Step advance(double distance) {
+    const double decay = std::exp(-rate * distance), q = rate * distance;
+    const Step step{decay * (1 + q), decay * distance, -decay * rate * q, decay * (1 - q)};
+    // P -> P0 + F (P - P0) F', with P0 the stationary covariance: what is known fades.
+    const double v = value - share, x = cross, s = slope - share * rate * rate;
+    value = share + step.a * step.a * v + 2 * step.a * step.b * x + step.b * step.b * s;
+    cross = step.a * step.c * v + (step.a * step.d + step.b * step.c) * x + step.b * step.d * s;
+    slope = share * rate * rate + step.c * step.c * v + 2 * step.c * step.d * x + step.d * step.d * s;
+    return step;
+  }
+};
+
+}  // namespace
+
+template <class Column>
+Eigen::RowVectorXd SmoothError::turned(const Column& column, std::size_t point) const {
+  const auto first = static_cast<Eigen::Index>(point * axis_.per_point);
+  Eigen::RowVectorXd values(static_cast<Eigen::Index>(axis_.per_point));
+  for (Eigen::Index part = 0; part < values.size(); ++part) values[part] = column[first + part];
+  if (axis_.factor.empty()) return values;
+  if (values.size() == 1) return values * axis_.factor[point].real();
+  const std::complex<double> turned = std::complex<double>(values[0], values[1]) * axis_.factor[point];
+  values << turned.real(), turned.imag();
+  return values;
+}
+
+template <class Column>
+Eigen::MatrixXd SmoothError::block_sums(const Column& column) const {
+  Eigen::MatrixXd sums =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), static_cast<Eigen::Index>(axis_.per_point));
+  for (std::size_t i = 0; i < axis_.position.size(); ++i)
+    sums.row(static_cast<Eigen::Index>(i / block_)) += turned(column, i);
+  return sums;
+}
+
+SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd& basis, const ResidualAxis& axis)
+    : axis_(axis),
+      block_((axis.position.size() + most_blocks - 1) / most_blocks),
+      position_((axis.position.size() + block_ - 1) / block_, 0.0),
+      points_(position_.size(), 0.0),
+      degrees_(static_cast<double>(residual.size()) - static_cast<double>(basis.cols())),
+      width_(basis.cols()) {
+  for (std::size_t i = 0; i < axis_.position.size(); ++i) {
+    position_[i / block_] += axis_.position[i];
+    ++points_[i / block_];
+  }
+  for (std::size_t b = 0; b < position_.size(); ++b) position_[b] /= points_[b];
+  spacing_ = (position_.back() - position_.front()) / std::max(1.0, static_cast<double>(position_.size()) - 1);
+
+  const auto rows = static_cast<Eigen::Index>(residual.size());
+  const Eigen::Map<const Eigen::VectorXd> left(residual.data(), rows);
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  means_.assign(position_.size(), Eigen::MatrixXd(parts, width_ + 1));
+  for (Eigen::Index column = 0; column <= width_; ++column) {
+    const Eigen::MatrixXd sums = column < width_ ? block_sums(basis.col(column)) : block_sums(left);
+    for (std::size_t b = 0; b < means_.size(); ++b)
+      means_[b].col(column) = sums.row(static_cast<Eigen::Index>(b)).transpose() / std::sqrt(points_[b]);
+  }
+  within_ = Eigen::MatrixXd::Zero(width_ + 1, width_ + 1);
+  if (block_ > 1) {
+    Eigen::MatrixXd all(rows, width_ + 1);
+    all << basis, left;
+    for (std::size_t i = 0; i < axis_.factor.size(); ++i) {
+      for (Eigen::Index column = 0; column <= width_; ++column)
+        all.col(column).segment(static_cast<Eigen::Index>(i) * parts, parts) = turned(all.col(column), i).transpose();
+    }
+    within_ = all.transpose() * all;
+    for (const Eigen::MatrixXd& mean : means_) within_ -= mean.transpose() * mean;
+  }
+}
+
+double SmoothError::longest() const {
+  return 3 * (position_.back() - position_.front());
+}
+
+SmoothError::Likelihood SmoothError::at(double share, double length) const {
+  const double white = 1 - share;
+  const auto parts = static_cast<double>(axis_.per_point);
+  const auto blocks = static_cast<double>(position_.size()), points = static_cast<double>(axis_.position.size());
+  Eigen::MatrixXd products = within_ / white;
+  double logarithm = parts * (points - blocks) * std::log(white);
+  Matern known(share, length);
+  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(means_.front().rows(), means_.front().cols()), slope = value;
+  Eigen::MatrixXd news(value.rows(), value.cols());
+  for (std::size_t b = 0; b < means_.size(); ++b) {
+    if (b > 0) {
+      const Matern::Step step = known.advance(position_[b] - position_[b - 1]);
+      news = step.a * value + step.b * slope;
+      slope = step.c * value + step.d * slope;
+      value.swap(news);
+    }
+    const double root = std::sqrt(points_[b]), scatter = points_[b] * known.value + white;
+    news = means_[b] - root * value;
+    products.noalias() += news.transpose() * news / scatter;
+    logarithm += parts * std::log(scatter);
+    const double to_value = known.value * root / scatter, to_slope = known.cross * root / scatter;
+    value += to_value * news;
+    slope += to_slope * news;
+    known.slope -= to_slope * to_slope * scatter;
+    known.cross -= to_value * to_slope * scatter;
+    known.value *= white / scatter;
+  }
+  const Eigen::VectorXd factor = CholeskyFactor(products).diagonal();
+  // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
+  double restricted = -0.5 * logarithm;
+  for (Eigen::Index i = 0; i < width_; ++i) restricted -= std::log(factor(i));
+  const double rest = factor(width_);
+  return {restricted - degrees_ * std::log(rest), rest * rest / degrees_};
+}
+
+SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each) const {
+  Influence result{0, block_sums(each)};
+  for (std::size_t i = 0; i < axis_.position.size(); ++i) result.square += turned(each, i).squaredNorm();
+  return result;
+}
+
+double SmoothError::variance(const Influence& of, double share, double length) const {
+  const double rate = std::sqrt(3.0) / length;
+  double smooth = 0;
+  for (Eigen::Index part = 0; part < of.sums.cols(); ++part) {
+    // Earlier sums, each times e^-q, and times (1 + q) e^-q less that.
+    double faded = 0, sloped = 0;
+    for (Eigen::Index b = 0; b < of.sums.rows(); ++b) {
+      if (b > 0) {
+        const auto place = static_cast<std::size_t>(b);
+        const double q = rate * (position_[place] - position_[place - 1]), decay = std::exp(-q);
+        sloped = decay * (sloped + q * faded);
+        faded *= decay;
+      }
+      const double sum = of.sums(b, part);
+      smooth += sum * (sum + 2 * (faded + sloped));
+      faded += sum;
+    }
+  }
+  return (1 - share) * of.square + share * smooth;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "identification/residuals/residual_axis.hpp"
+
+namespace frac::detail {
+
+/// Residuals that are the sum of white noise and of a smooth error, as calibration, cables, drift, or what a model
+/// lacks leave it: a Gaussian process of covariance (1 + q) e^-q, q = sqrt(3) distance/length (Matern of order 3/2),
+/// the same and independent for the residuals of a point.  `share` is its part of the variance of a residual.
+///
+/// More than 256 points are taken together in as many blocks of neighbours, over each of which the smooth error is
+/// constant.  Within the blocks there is white noise alone.
+class SmoothError {
+ public:
+  /// @param residual  as left by least squares
+  /// @param basis     orthonormal, of the columns that were fitted
+  SmoothError(std::span<const double> residual, const Eigen::MatrixXd& basis, const ResidualAxis& axis);
+
+  /// The shortest length that points can tell from white noise, and the longest that a trend over all of them has.
+  [[nodiscard]] double shortest() const { return 2 * spacing_; }
+  [[nodiscard]] double longest() const;
+
+  struct Likelihood {
+    double logarithm;  // restricted: with the fitted columns integrated out; 0 for white noise of unit variance
+    double variance;   // of a residual, where that is most likely
+  };
+  [[nodiscard]] Likelihood at(double share, double length) const;
+
+  /// Sums of an influence over the blocks, which variances need; its own square beside them.
+  struct Influence {
+    double square;
+    Eigen::MatrixXd sums;  // blocks x residuals of a point
+  };
+  [[nodiscard]] Influence influence(const Eigen::VectorXd& each) const;
+  /// Variance of influence' * residuals, for residuals of unit variance.
+  [[nodiscard]] double variance(const Influence& of, double share, double length) const;
+
+ private:
+  /// Values of a column at a point: those of its residuals, times the factor of the point.
+  template <class Column>
+  [[nodiscard]] Eigen::RowVectorXd turned(const Column& column, std::size_t point) const;
+  template <class Column>
+  [[nodiscard]] Eigen::MatrixXd block_sums(const Column& column) const;
+
+  ResidualAxis axis_;
+  std::size_t block_;             // points of a block but the last
+  std::vector<double> position_;  // of the blocks
+  std::vector<double> points_;    // of each block
+  double spacing_, degrees_;
+  Eigen::Index width_;                  // columns of the basis
+  std::vector<Eigen::MatrixXd> means_;  // of a block, by the root of its points: residuals of a point x columns
+  Eigen::MatrixXd within_;              // products of columns within the blocks
+};
+
+}  // namespace frac::detail
