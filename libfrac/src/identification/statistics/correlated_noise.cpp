@@ -133,10 +133,10 @@ void CorrelatedNoise::add_first_order(std::span<const double> residual, const Ei
 }
 
 void CorrelatedNoise::add_smooth(double white_variance) {
-  constexpr int lengths = 6;
+  constexpr int lengths = 5;
   // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error.
   constexpr double least = -7, most = 14;
-  constexpr int bits = 8;  // of the most likely share: a twentieth of the width of its peak
+  constexpr int bits = 6;  // of the logarithm of the most likely share: a tenth of the least width of its peak
   const double ratio = std::log(smooth_->longest() / smooth_->shortest()) / (lengths - 1);
   for (int i = 0; i < lengths; ++i) {
     const double length = smooth_->shortest() * std::exp(i * ratio);

@@ -77,13 +77,13 @@ SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd
   const auto rows = static_cast<Eigen::Index>(residual.size());
   const Eigen::Map<const Eigen::VectorXd> left(residual.data(), rows);
   const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  means_.assign(position_.size(), Eigen::MatrixXd(parts, width_ + 1));
+  means_.resize(static_cast<Eigen::Index>(position_.size()) * parts, width_ + 1);
   for (Eigen::Index column = 0; column <= width_; ++column) {
     const Eigen::MatrixXd sums = column < width_ ? block_sums(basis.col(column)) : block_sums(left);
-    for (std::size_t b = 0; b < means_.size(); ++b)
-      means_[b].col(column) = sums.row(static_cast<Eigen::Index>(b)).transpose() / std::sqrt(points_[b]);
+    for (Eigen::Index row = 0; row < means_.rows(); ++row)
+      means_(row, column) = sums(row / parts, row % parts) / std::sqrt(points_[static_cast<std::size_t>(row / parts)]);
   }
-  within_ = Eigen::MatrixXd::Zero(width_ + 1, width_ + 1);
+  within_ = Rows::Zero(width_ + 1, width_ + 1);
   if (block_ > 1) {
     Eigen::MatrixXd all(rows, width_ + 1);
     all << basis, left;
@@ -91,8 +91,7 @@ SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd
       for (Eigen::Index column = 0; column <= width_; ++column)
         all.col(column).segment(static_cast<Eigen::Index>(i) * parts, parts) = turned(all.col(column), i).transpose();
     }
-    within_ = all.transpose() * all;
-    for (const Eigen::MatrixXd& mean : means_) within_ -= mean.transpose() * mean;
+    within_ = all.transpose() * all - means_.transpose() * means_;
   }
 }
 
@@ -104,25 +103,34 @@ SmoothError::Likelihood SmoothError::at(double share, double length) const {
   const double white = 1 - share;
   const auto parts = static_cast<double>(axis_.per_point);
   const auto blocks = static_cast<double>(position_.size()), points = static_cast<double>(axis_.position.size());
-  Eigen::MatrixXd products = within_ / white;
+  // A filter (Kalman) for all columns at once, in plain loops: there are a dozen columns, and this is called often.
+  const Eigen::Index columns = width_ + 1;
+  Rows products = within_ / white;
   double logarithm = parts * (points - blocks) * std::log(white);
   Matern known(share, length);
-  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(means_.front().rows(), means_.front().cols()), slope = value;
-  Eigen::MatrixXd news(value.rows(), value.cols());
-  for (std::size_t b = 0; b < means_.size(); ++b) {
-    if (b > 0) {
-      const Matern::Step step = known.advance(position_[b] - position_[b - 1]);
-      news = step.a * value + step.b * slope;
-      slope = step.c * value + step.d * slope;
-      value.swap(news);
-    }
+  Rows value = Rows::Zero(static_cast<Eigen::Index>(axis_.per_point), columns), slope = value;
+  std::vector<double> news(static_cast<std::size_t>(columns));
+  for (std::size_t b = 0; b < position_.size(); ++b) {
+    const Matern::Step step = b > 0 ? known.advance(position_[b] - position_[b - 1]) : Matern::Step{1, 0, 0, 1};
     const double root = std::sqrt(points_[b]), scatter = points_[b] * known.value + white;
-    news = means_[b] - root * value;
-    products.noalias() += news.transpose() * news / scatter;
-    logarithm += parts * std::log(scatter);
     const double to_value = known.value * root / scatter, to_slope = known.cross * root / scatter;
-    value += to_value * news;
-    slope += to_slope * news;
+    for (Eigen::Index part = 0; part < value.rows(); ++part) {
+      const double* const mean = means_.row(static_cast<Eigen::Index>(b) * value.rows() + part).data();
+      double *const v = value.row(part).data(), *const s = slope.row(part).data();
+      for (Eigen::Index k = 0; k < columns; ++k) {
+        const double ahead = step.a * v[k] + step.b * s[k], inclined = step.c * v[k] + step.d * s[k];
+        const double each = mean[k] - root * ahead;
+        v[k] = ahead + to_value * each;
+        s[k] = inclined + to_slope * each;
+        news[static_cast<std::size_t>(k)] = each;
+      }
+      for (Eigen::Index i = 0; i < columns; ++i) {
+        const double weighed = news[static_cast<std::size_t>(i)] / scatter;
+        double* const row = products.row(i).data();
+        for (Eigen::Index k = 0; k <= i; ++k) row[k] += weighed * news[static_cast<std::size_t>(k)];
+      }
+    }
+    logarithm += parts * std::log(scatter);
     known.slope -= to_slope * to_slope * scatter;
     known.cross -= to_value * to_slope * scatter;
     known.value *= white / scatter;

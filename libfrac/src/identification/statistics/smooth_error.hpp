@@ -53,9 +53,10 @@ class SmoothError {
   std::vector<double> position_;  // of the blocks
   std::vector<double> points_;    // of each block
   double spacing_, degrees_;
-  Eigen::Index width_;                  // columns of the basis
-  std::vector<Eigen::MatrixXd> means_;  // of a block, by the root of its points: residuals of a point x columns
-  Eigen::MatrixXd within_;              // products of columns within the blocks
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Index width_;  // columns of the basis
+  Rows means_;          // of the blocks, times the root of their points: a row for each residual of a point
+  Rows within_;         // products of columns within the blocks
 };
 
 }  // namespace frac::detail
