@@ -69,7 +69,7 @@ double variance_under(double r, const Eigen::VectorXd& influence, std::size_t pe
   return sum;
 }
 
-/// Probabilities beforehand.  With 0.1 for the smooth error, intervals hold 97 % in white noise and 91 to 98 % beside
+/// Probabilities beforehand.  With 0.1 for the smooth error, intervals hold 97 % in white noise and 86 to 98 % beside
 /// an error of 0.3 to 3 % (interval_coverage, 40 and 200 points); with 1/3 it is 98.5 %, and 92 to 99 %.
 constexpr double of_white = 0.6, of_first_order = 0.3, of_smooth = 0.1;
 
