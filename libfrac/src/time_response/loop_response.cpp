@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <unsupported/Eigen/FFT>
 #include <utility>
 #include <variant>
 
@@ -125,9 +126,9 @@ class LineSum {
  public:
   LineSum(std::vector<Complex> values, double step) : values_(std::move(values)), step_(step) {}
 
-  // (step/pi) Re sum values_k e^{j k step t}, by Horner's rule for several instants at once.
-  // @param first_time  before which the sum is 0 but for its error
-  void add_to(std::span<const double> t, double abscissa, double first_time, std::vector<double>& output) const {
+  // Re sum values_k e^{j k step t}, by Horner's rule for several instants at once.
+  [[nodiscard]] std::vector<double> at(std::span<const double> t) const {
+    std::vector<double> sums(t.size());
     constexpr std::size_t width = 8;
     for (std::size_t first = 0; first < t.size(); first += width) {
       throw_if_cancelled();
@@ -144,16 +145,54 @@ class LineSum {
           re[i] = real;
         }
       }
-      for (std::size_t i = 0; i < count; ++i) {
-        if (t[first + i] >= first_time) output[first + i] += std::exp(abscissa * t[first + i]) * step_ / pi * re[i];
-      }
+      std::copy(re, re + count, sums.begin() + static_cast<std::ptrdiff_t>(first));
     }
+    return sums;
+  }
+
+  // At from, from + T/length, from + 2 T/length, .., T = 2 pi/step: the nodes k, k + length, .. turn together, so that
+  // one transform of their sums gives all.
+  [[nodiscard]] std::vector<double> at_parts_of_period(double from, std::size_t length, std::size_t count) const {
+    std::vector<Complex> folded(length, 0.0), sums;
+    for (std::size_t k = 0; k < values_.size(); ++k)
+      folded[k % length] += values_[k] * std::polar(1.0, static_cast<double>(k) * step_ * from);
+    Eigen::FFT<double> transform;
+    transform.SetFlag(Eigen::FFT<double>::Unscaled);
+    transform.inv(sums, folded);
+    std::vector<double> result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(sums[i].real());
+    return result;
   }
 
  private:
   std::vector<Complex> values_;
   double step_;
 };
+
+// Instants from, from + step, ..; length steps make a period of the rule.
+struct EvenInstants {
+  double step = 0;
+  std::size_t length = 0;
+};
+// Empty where they are few or not even but for rounding.
+std::optional<EvenInstants> even_instants(std::span<const double> t, double period) {
+  constexpr std::size_t few = 64;
+  if (t.size() < few) return std::nullopt;
+  const double step = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
+  const double rounding = 4 * eps * std::max(std::abs(t.front()), std::abs(t.back()));
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (std::abs(t[i] - t.front() - static_cast<double>(i) * step) > rounding) return std::nullopt;
+  }
+  // The transform is fast for products of small primes.
+  auto length = static_cast<std::size_t>(std::ceil(period / step));
+  const auto is_smooth = [](std::size_t number) {
+    for (const std::size_t prime : {2, 3, 5})
+      while (number % prime == 0) number /= prime;
+    return number == 1;
+  };
+  while (!is_smooth(length)) ++length;
+  return EvenInstants{step, length};
+}
 
 // |L| tends to a gain at high frequency.
 bool keeps_gain(const FractionalTransferFunction& loop) {
@@ -164,7 +203,7 @@ bool keeps_gain(const FractionalTransferFunction& loop) {
 class ClosedLoop {
  public:
   ClosedLoop(const FractionalTransferFunction& forward, const FractionalTransferFunction& loop, const TimeInput& input,
-             double latest)
+             double latest, double period)
       : forward_(without_delay(forward)),
         loop_(without_delay(loop)),
         forward_image_(detail::numerator_of(forward_), detail::denominator_of(forward_)),
@@ -173,12 +212,15 @@ class ClosedLoop {
         before_(forward.delay()),
         delay_(loop.delay()),
         latest_(latest),
+        period_(period),
         gain_at_infinity_(keeps_gain(loop)
                               ? std::abs(loop.numerator().front().coefficient / loop.denominator().front().coefficient)
                               : 0) {}
 
   [[nodiscard]] double latest() const { return latest_; }
   [[nodiscard]] double delay() const { return delay_; }
+  // Of the rule along the line.
+  [[nodiscard]] double period() const { return period_; }
   // Passages that reach the output.
   [[nodiscard]] std::size_t all_passages() const {
     return static_cast<std::size_t>(std::min(std::floor(latest_ / delay_), 1e9)) + 1;
@@ -213,13 +255,21 @@ class ClosedLoop {
             8 + turns * static_cast<double>(n) + (1 + std::abs(loop) * (8 + turns)) / std::abs(sum)};
   }
 
-  // Of a function whose image is the rest, at the scale of time 1/rate: e^{-abscissa t} times it, in the mean.
+  // e^{-abscissa t} times the response, in the mean over times up to about 1/rate.
   [[nodiscard]] double size(double abscissa, double rate) const {
     return std::abs(rest(abscissa + rate, 0).value) * rate;
   }
-  [[nodiscard]] double passage_size(double abscissa, double rate, std::size_t k) const {
-    const Complex s = abscissa + rate;
-    return std::abs(forward_at(s) * input_(s)) * std::pow(std::abs(loop_at(s)), static_cast<double>(k)) * rate;
+  // About e^{-abscissa t} times what passage k has grown to at t, by the saddle point of e^{st} on the real axis: of
+  // t^m/m! it is within sqrt(2 pi m).
+  [[nodiscard]] double passage_size(double abscissa, double t, std::size_t k) const {
+    double least = infinity;
+    for (double turns = 1; turns < 100; turns *= 1.4) {
+      const Complex s = abscissa + turns / t;
+      const double value = std::abs(forward_at(s) * input_(s)) *
+                           std::pow(std::abs(loop_at(s)), static_cast<double>(k)) * std::exp(turns) * turns / t;
+      least = std::min(least, value);
+    }
+    return least;
   }
 
   // Right of the poles of forward, loop and input.
@@ -333,7 +383,7 @@ class ClosedLoop {
   FractionalTransferFunction forward_, loop_;
   detail::LaplaceImage forward_image_, loop_image_;
   InputImage input_;
-  double before_, delay_, latest_;
+  double before_, delay_, latest_, period_;
   double gain_at_infinity_;
 };
 
@@ -364,45 +414,52 @@ struct Plan {
 
 // Passages that are computed one by one where |L| keeps a gain and hands every jump on.
 constexpr std::size_t most_of_all = 200;
-constexpr double period_share = 4;  // period of the rule, in lengths of the response
 
 Plan planned(const ClosedLoop& loop, double abscissa, double target) {
-  constexpr std::size_t welcome_nodes = 1 << 16, most_nodes = 1 << 21, most_passages = 24;
+  // Of a passage, over its size.
+  constexpr double usual_error = 1e-14;
+  constexpr std::size_t welcome_nodes = 1 << 16, most_nodes = 1 << 20, most_passages = 24;
   const double latest = loop.latest();
-  const double period = period_share * latest;
+  const double period = loop.period();
   const double step = 2 * pi / period;
+  const double highest = step * static_cast<double>(most_nodes);
   const double grown = std::exp(abscissa * latest);
+  const double enough = 0.4 * target;
   std::optional<Plan> best;
+  double best_error = infinity;
+  // What folds back is no larger than the passages and the whole at the end of the period.
+  double folding = loop.size(abscissa, 1 / period);
+  double by_passages = 0;
   for (std::size_t n = 0; n <= std::min(most_passages, loop.all_passages()); ++n) {
-    // What is left after n passages is no larger than the passages and the whole.
-    double size = loop.size(abscissa, 1 / period);
-    for (std::size_t k = 0; k < n; ++k) size += loop.passage_size(abscissa, 1 / period, k);
-    if (n == loop.all_passages()) {
-      if (!best || best->nodes > welcome_nodes) best = Plan{n, 0, 0, 0, 0};
-      break;
+    if (n > 0) {
+      folding += loop.passage_size(abscissa, period, n - 1);
+      by_passages += usual_error * grown * loop.passage_size(abscissa, latest, n - 1);
     }
-    // Responses that beat or rise like a power of t exceed their mean; a factor 10 covers that.
-    const double folded = std::clamp(std::log(10 * size * grown / (0.1 * target)), 8.0, 60.0);
-    Plan plan{n, 0, abscissa + folded / period, step, 10 * size * grown * std::exp(-folded)};
-    const ClosedLoop::Tails tails = loop.tails(plan.abscissa, step * static_cast<double>(most_nodes));
-    const std::vector<double> tail = tails.after(n);
-    const double factor = std::exp(plan.abscissa * latest);
-    for (std::size_t i = 0; i < tail.size(); ++i) {
-      if (tails.omega[i] > step * static_cast<double>(most_nodes)) break;
-      if (!(tail[i] < infinity)) continue;
-      plan.nodes = static_cast<std::size_t>(std::ceil(tails.omega[i] / step)) + 1;
-      const double beyond = factor * tail[i];
-      if (beyond < 0.1 * target || i + 1 == tail.size() ||
-          tails.omega[i + 1] > step * static_cast<double>(most_nodes)) {
-        plan.error += beyond;
-        break;
+    Plan plan{n, 0, 0, 0, 0};
+    if (n < loop.all_passages()) {
+      // Responses that beat or rise like a power of t exceed their mean; a factor 10 covers that.
+      const double folded = std::clamp(std::log(10 * folding * grown / (0.1 * target)), 8.0, 60.0);
+      plan = {n, 0, abscissa + folded / period, step, 10 * folding * grown * std::exp(-folded)};
+      const ClosedLoop::Tails tails = loop.tails(plan.abscissa, highest);
+      const std::vector<double> tail = tails.after(n);
+      const double factor = std::exp(plan.abscissa * latest);
+      double beyond = infinity;
+      for (std::size_t i = 0; i < tail.size() && tails.omega[i] < highest && !(beyond < 0.1 * target); ++i) {
+        if (!(tail[i] < infinity)) continue;
+        plan.nodes = static_cast<std::size_t>(std::ceil(tails.omega[i] / step)) + 1;
+        beyond = factor * tail[i];
       }
+      plan.error += beyond;
     }
-    if (plan.nodes == 0) continue;
+    const double error = plan.error + by_passages;
+    if (!(error < infinity)) continue;
     const bool is_better =
-        !best || plan.error < 0.5 * best->error || (plan.error < 2 * best->error && 2 * plan.nodes < best->nodes);
-    if (is_better) best = plan;
-    if (best->nodes <= welcome_nodes && best->error < 0.3 * target) break;
+        error < enough && best_error < enough ? 2 * plan.nodes < best->nodes : error < 0.5 * best_error;
+    if (!best || is_better) {
+      best = plan;
+      best_error = error;
+    }
+    if (best_error < enough && best->nodes <= welcome_nodes) break;
   }
   if (!best) {
     throw std::domain_error("closed loop: |L| keeps a gain at high frequency, so that each of the " +
@@ -412,11 +469,14 @@ Plan planned(const ClosedLoop& loop, double abscissa, double target) {
   return *best;
 }
 
+// Passages may be much larger than their sum.
+constexpr double passage_tolerance = 1e-13;
+
 LoopResponse evaluate(const ClosedLoop& loop, const TimeInput& input, std::span<const double> time,
-                      std::span<const double> since, const Plan& plan, double tolerance) {
+                      std::span<const double> since, const Plan& plan) {
   LoopResponse response{std::vector<double>(time.size(), 0.0), plan.error, false, plan.passages, plan.nodes};
   for (std::size_t k = 0; k < plan.passages; ++k) {
-    const TimeResponse part = respond(loop.passage(k), input, time, std::max(1e-13, 1e-3 * tolerance));
+    const TimeResponse part = respond(loop.passage(k), input, time, passage_tolerance);
     for (std::size_t i = 0; i < time.size(); ++i) response.output[i] += part.output[i];
     response.error_estimate += part.error_estimate;
   }
@@ -432,8 +492,15 @@ LoopResponse evaluate(const ClosedLoop& loop, const TimeInput& input, std::span<
     rounding += std::abs(values[k]) * (rest.rounding + 3 * static_cast<double>(k));
   }
   response.error_estimate += eps * rounding * plan.step / pi * std::exp(plan.abscissa * loop.latest());
-  LineSum(std::move(values), plan.step)
-      .add_to(since, plan.abscissa, static_cast<double>(plan.passages) * loop.delay(), response.output);
+  const LineSum sum(std::move(values), plan.step);
+  const std::optional<EvenInstants> even = even_instants(since, loop.period() * (1 - 8 * eps));
+  const std::vector<double> rest =
+      even ? sum.at_parts_of_period(since.front(), even->length, since.size()) : sum.at(since);
+  // Before its first passage the rest is 0 but for its error.
+  const double start = static_cast<double>(plan.passages) * loop.delay();
+  for (std::size_t i = 0; i < since.size(); ++i) {
+    if (since[i] >= start) response.output[i] += std::exp(plan.abscissa * since[i]) * plan.step / pi * rest[i];
+  }
   return response;
 }
 
@@ -456,21 +523,24 @@ LoopResponse respond_closed_loop(const FractionalTransferFunction& forward, cons
                                 " at high frequency; with a dead time it must stay bounded");
   }
   // Checks input and instants, and is the first passage.
-  const TimeResponse first = respond(forward, input, time, std::max(1e-13, 1e-3 * tolerance));
+  const TimeResponse first = respond(forward, input, time, passage_tolerance);
   const InputImage image(input);
   std::vector<double> since;
   for (const double t : time) since.push_back(t - image.start() - forward.delay());
   if (since.back() < loop.delay()) {
     return {first.output, first.error_estimate, first.error_estimate <= tolerance * largest_of(first.output), 1, 0};
   }
-  const ClosedLoop closed(forward, loop, input, since.back());
+  // Four lengths of the response, or a little more, so that even instants are parts of it.
+  double period = 4 * since.back();
+  if (const auto even = even_instants(since, period)) period = even->step * static_cast<double>(even->length);
+  const ClosedLoop closed(forward, loop, input, since.back(), period);
   const auto judged = [tolerance](LoopResponse found) {
     found.meets_tolerance = found.error_estimate <= tolerance * largest_of(found.output);
     return found;
   };
   constexpr std::size_t few = 4;
   if (closed.all_passages() <= (keeps_gain(loop) ? most_of_all : few)) {
-    return judged(evaluate(closed, input, time, since, {closed.all_passages(), 0, 0, 0, 0}, tolerance));
+    return judged(evaluate(closed, input, time, since, {closed.all_passages(), 0, 0, 0, 0}));
   }
   const double abscissa = line_right_of_roots(closed, 2 / since.back());
   // Of the weighted response at several scales of time; the whole shows how large it was.
@@ -480,7 +550,7 @@ LoopResponse respond_closed_loop(const FractionalTransferFunction& forward, cons
   }
   LoopResponse response{};
   for (int attempt = 0; attempt < 2; ++attempt) {
-    response = judged(evaluate(closed, input, time, since, planned(closed, abscissa, tolerance * scale), tolerance));
+    response = judged(evaluate(closed, input, time, since, planned(closed, abscissa, tolerance * scale)));
     const double size = largest_of(response.output);
     if (response.meets_tolerance || !(size < scale)) break;
     scale = size;
