@@ -54,12 +54,11 @@ class Respond : public Command {
   Respond() : Command("respond", "Time response of a fractional transfer function from rest") {
     Options& o = options();
     add_model(o, model_).required();
-    o.parsed(
-        "--feedback", feedback_, formula_of,
-        "Answer of the closed loop model/(1 + model FORMULA), dead time in it or not; 1: the model is the loop and "
-        "the input its reference; a controller, where the model is the plant: the input is a disturbance in front "
-        "of it",
-        "FORMULA");
+    o.parsed("--feedback", feedback_, formula_of,
+             "Take the closed loop model/(1 + model FORMULA) in place of the model; dead time is welcome. 1: the model "
+             "is the loop and the input its reference; a controller, with the plant as the model: the input is a "
+             "disturbance in front of the plant",
+             "FORMULA");
     o.text("--input", input_, "step, impulse, ramp, sine, or a file with columns time_s,input", "INPUT")
         .suggest({"step", "impulse", "ramp", "sine"})
         .names_input();
