@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
+#include "frac/mittag_leffler.hpp"
 #include "support/expect_invalid_argument.hpp"
 
 namespace {
@@ -53,4 +56,20 @@ TEST(StepFigures, TellWhatIsNotReached) {
   EXPECT_NEAR(lag.settling_time, std::log(50.0) / 4, 1e-3);
   EXPECT_TRUE(std::isnan(frac::step_figures(model("1/s^0.2"), 1).settling_time));
   support::expect_invalid_argument([] { (void)frac::step_figures(model("1/s"), 0); }, {"crossover = 0"});
+}
+
+// Orders without a common divisor: the closed loop is no simpler than it looks, and nobody looks for common factors by
+// long division, which would take minutes.  The peak of 1/(s^1.8311 + 1), the figure of s^-1.8311, is that of
+// 1 - E_{1.8311}(-t^1.8311): from its first minimum, on a grid of a thousandth.
+TEST(StepFigures, TakeNoTimeForOrdersWithoutCommonDivisor) {
+  const auto figures = frac::step_figures(model("1/s^1.8311"), 1);
+  double highest = 0;
+  for (double t = 2; t < 5; t += 1e-3)
+    highest = std::max(highest, -frac::mittag_leffler(1.8311, 1.0, -std::pow(t, 1.8311)));
+  EXPECT_NEAR(figures.overshoot, highest, 2e-5);
+  const auto start = std::chrono::steady_clock::now();
+  const auto heavy =
+      frac::step_figures(model("(1.3 + 0.2/s^0.731 + 0.8 s^0.917)*(s^1.4713 + 3.1)/(s^2 (s^1.4713 + 1.827))"), 1.3);
+  EXPECT_GT(heavy.overshoot, 0);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20);
 }

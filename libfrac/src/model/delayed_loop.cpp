@@ -93,7 +93,7 @@ class Reader {
     add_terms(divisor, 1, sum);
     if (sum.size() != 2) throw NoLoop{};
     if (sum[1].delay() < sum[0].delay()) std::swap(sum[0], sum[1]);
-    return {dividend.forward / sum[0], simplified(sum[1] / sum[0])};
+    return {dividend.forward / sum[0], sum[1] / sum[0]};
   }
 
   // The terms of a sum, those of equal dead time added up.

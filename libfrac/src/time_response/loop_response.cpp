@@ -504,6 +504,17 @@ LoopResponse evaluate(const ClosedLoop& loop, const TimeInput& input, std::span<
   return response;
 }
 
+// forward/(1 + loop) without dead time in the loop.  The usual case, forward = loop or both over one denominator, is
+// spared a common factor.
+FractionalTransferFunction closed_ratio(const FractionalTransferFunction& forward,
+                                        const FractionalTransferFunction& loop) {
+  const FractionalTransferFunction one({{1, 0}}, {{1, 0}});
+  if (forward.denominator() != loop.denominator()) return forward / (one + loop);
+  const FractionalTransferFunction top(forward.numerator(), {{1, 0}}, forward.delay());
+  return top / (FractionalTransferFunction(loop.numerator(), {{1, 0}}) +
+                FractionalTransferFunction(loop.denominator(), {{1, 0}}));
+}
+
 }  // namespace
 
 LoopResponse respond_closed_loop(const FractionalTransferFunction& forward, const FractionalTransferFunction& loop,
@@ -513,8 +524,7 @@ LoopResponse respond_closed_loop(const FractionalTransferFunction& forward, cons
                                 "; allowed is 1e-12 to 0.1");
   }
   if (loop.delay() == 0) {
-    const FractionalTransferFunction one({{1, 0}}, {{1, 0}});
-    const TimeResponse response = respond(simplified(forward / (one + loop)), input, time, tolerance);
+    const TimeResponse response = respond(closed_ratio(forward, loop), input, time, tolerance);
     return {response.output, response.error_estimate, response.meets_tolerance, 0, 0};
   }
   const double excess = detail::order_at_infinity(loop);

@@ -119,8 +119,7 @@ class Respond : public Command {
       }
     }
     const frac::TimeResponse found =
-        frac::respond(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_, signal, time_,
-                      tolerance_, method_);
+        frac::respond(feedback_ ? frac::feedback(*model_, *feedback_) : *model_, signal, time_, tolerance_, method_);
     const std::string used(frac::to_string(found.method));
     options()["--method"].say(used);
     return {found.output, used, found.error_estimate, found.meets_tolerance};
