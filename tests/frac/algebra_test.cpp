@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 
+#include "frac/model/delayed_loop.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 
@@ -95,6 +96,32 @@ TEST(Algebra, RefusesWhatIsNoRatioOfSumsOfPowers) {
   expect_invalid_argument([&] { (void)feedback(early, model("1")); }, {"dead time of 0.1 s"});
   expect_invalid_argument([&] { (void)feedback(model("1"), model("-1")); }, {"zero"});
   EXPECT_EQ((late / early).delay(), 0.1);
+}
+
+// Every spelling of the loop has the value of its formula at points right of the axis.
+TEST(DelayedLoop, IsReadFromItsFormula) {
+  for (const char* formula :
+       {"exp(-0.5 s)/(s + exp(-0.5 s))", "2 exp(-1 s)/s^0.5/(1 + 2 exp(-1 s)/s^0.5)",
+        "-(s + 3)/(s (1 + exp(-1 s)/(s + 2)))", "(1/(s + 1)) (1/(s^0.3 + 2 - exp(-2 s)/(s + 4) + s)) exp(-3 s)",
+        "exp(-2 s)/(exp(-1 s)*(s + 1) + 0.2 exp(-1.5 s))", "1/(3 - (2 - exp(-1 s)/s))"}) {
+    const frac::Structure structure(formula);
+    const auto loop = frac::delayed_loop(structure, {});
+    ASSERT_TRUE(loop) << formula;
+    for (const double omega : {0.1, 0.7, 3.0}) {
+      const auto expected = structure.response({}, omega);
+      const auto found = loop->forward.response(omega) / (1.0 + loop->loop.response(omega));
+      // A dozen operations on values of which the smallest sum is a tenth of its terms.
+      EXPECT_LT(std::abs(found / expected - 1.0), 1e-13) << formula;
+    }
+  }
+  for (const char* none : {"1/(s + 1)", "exp(-1 s)", "1/(1 + exp(-1 s) + exp(-2 s))", "1/(1 + exp(-1 s)/s)^2",
+                           "tanh(s)/(1 + exp(-1 s))", "1 + 1/(s + exp(-1 s))", "1/(exp(-1 s) + s exp(-2 s))"}) {
+    EXPECT_FALSE(frac::delayed_loop(frac::Structure(none), {})) << none;
+  }
+  const double values[] = {2, 0.5};
+  EXPECT_EQ(frac::delayed_loop(frac::Structure("K/(s + K exp(-L s))"), values)->loop.delay(), 0.5);
+  expect_invalid_argument([] { (void)frac::delayed_loop(frac::Structure("K/(s + K exp(-L s))"), {}); },
+                          {"2 are needed"});
 }
 
 TEST(Simplified, CancelsCommonFactorsWhereTheDivisionIsExact) {

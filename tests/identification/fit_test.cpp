@@ -270,6 +270,35 @@ TEST(Fit, KeepsFixedParametersAndStaysWithinBounds) {
   EXPECT_EQ(result.free_parameters, 2u);
 }
 
+// Of very many points a robust fit looks for its minima on some.  With every twentieth point doubled the one it finds
+// is the one that a single solve on all points finds from the truth.  Either stops where the scale of the loss has
+// settled to 1e-3 of itself, which moves the minimum by a like share of the deviations that the outliers pull by: 0.1
+// of a standard error.
+TEST(Fit, RobustSearchOfManyPointsFindsTheMinimumOfAll) {
+  const std::vector<double> truth{1, 0.4, 0.7};
+  const FrequencyResponseData clean = sample("K/(T s^a + 1)", truth, log_grid(1e-2, 1e2, 45'000));
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0, 0.02);
+  std::vector<std::complex<double>> value = clean.value();
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const double size = std::abs(value[i]);
+    value[i] += size * std::complex<double>(noise(generator), noise(generator));
+    if (generator() % 20 == 0) value[i] *= 2;
+  }
+  const FrequencyResponseData data(clean.omega(), value);
+  FitOptions options;
+  options.loss = frac::Loss::huber;
+  options.weight = Weight::relative;
+  const FitResult found = frac::fit(data, Structure("K/(T s^a + 1)"), options);
+  options.global_start = false;
+  options.constraints = {{"K", {}, {}, {}, truth[0]}, {"T", {}, {}, {}, truth[1]}, {"a", {}, {}, {}, truth[2]}};
+  const FitResult near = frac::fit(data, Structure("K/(T s^a + 1)"), options);
+  ASSERT_TRUE(found.usable()) << found.message;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_NEAR(found.parameters[i].value, near.parameters[i].value, 0.1 * near.parameters[i].standard_error) << i;
+  }
+}
+
 TEST(Fit, FromGivenStartsMakesOneSolve) {
   const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, log_grid(1e-2, 1e2, 60));
   FitOptions options;

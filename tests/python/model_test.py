@@ -49,6 +49,33 @@ def test_models_that_are_no_ratio_are_combined_as_formulas():
         (film + 1).poles()
 
 
+def test_a_closed_loop_with_dead_time_answers_over_time():
+    # u = k (1 - y) of an integrator: y = sum (-1)^j (k (t - (j + 1) L))^(j + 1)/(j + 1)! over the positive ones.
+    k, delay = 0.8, 0.7
+    t = np.linspace(0, 8, 41)
+    exact = np.zeros(t.size)
+    for j in range(12):
+        since = np.maximum(t - (j + 1) * delay, 0)
+        exact += (-1) ** j * (k * since) ** (j + 1) / math.factorial(j + 1)
+    plant, controller = Model("exp(-L s)/s", L=delay), Model("k", k=k)
+    closed = (controller * plant).feedback()
+    response = closed.step(t)
+    # The largest power is (0.8 7.3)^6/6! = 55: some 1e-14 of rounding.
+    assert np.max(np.abs(response.output - exact)) < response.error_estimate + 1e-13
+    assert response.meets_tolerance and response.method == "closed-loop"
+    # A disturbance in front of the plant, with values changed afterwards and as a formula of its own.
+    loaded = plant.feedback(controller)
+    assert np.allclose(k * loaded.step(t).output, response.output, rtol=0, atol=1e-8)
+    written = Model("k exp(-L s)/s/(1 + k exp(-L s)/s)", k=1, L=1).with_parameters(k=k, L=delay)
+    assert np.allclose(written.step(t).output, response.output, rtol=0, atol=1e-8)
+    # A held input that is 1 throughout is the step.
+    assert np.allclose(closed.respond(t, np.ones(t.size)).output, response.output, rtol=0, atol=1e-8)
+    with pytest.raises(ValueError, match="has one method"):
+        closed.step(t, method="bdf2")
+    with pytest.raises(ValueError, match="is no ratio of sums of powers"):
+        closed.poles()
+
+
 def test_a_preset_is_no_formula_of_a_model():
     with pytest.raises(ValueError, match="zarc is taken as a formula of one parameter"):
         Model("zarc", R0=1)

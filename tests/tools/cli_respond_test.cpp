@@ -254,6 +254,30 @@ TEST(Analyse, ClosesALoop) {
   expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
 }
 
+// gain (t - L), less gain^2 (t - 2 L)^2/2 and so on, of gain/s with the dead time L.
+TEST(Respond, OfALoopWithDeadTimeIsItsPolynomials) {
+  const Table closed = response_to({"--model", "exp(-2 s)*0.5/s", "--feedback", "1", "--time", "1,3,5,7"});
+  const double exact[] = {0, 0.5, 1.5 - 1 / 8.0, 2.5 - 9 / 8.0 + 1 / 48.0};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(closed.output[i], exact[i], 1.5e-9);
+  EXPECT_NE(closed.head.find("# feedback: 1\n# closed_loop: stable\n# method: closed-loop\n"), std::string::npos)
+      << closed.head;
+  // A disturbance in front of the plant 1/s: the same over the controller's gain.
+  const Table load = response_to({"--model", "exp(-2 s)/s", "--feedback", "0.5", "--time", "1,3,5,7"});
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(load.output[i], 2 * exact[i], 3e-9);
+  // gain L = 2 is beyond pi/2.
+  const auto unstable = run_fracfit({"respond", "--model", "exp(-2 s)/s", "--feedback", "1", "--time", "1,3"});
+  EXPECT_NE(unstable.output.find("# closed_loop: unstable\n"), std::string::npos) << unstable.output;
+  // Without dead time the closed loop is a model like any other: 1 - e^-t.
+  const Table plain = response_to({"--model", "1/s", "--feedback", "1", "--time", "1"});
+  EXPECT_NEAR(plain.output[0], 1 - std::exp(-1.0), 1e-14);
+}
+
+TEST(Respond, OfALoopWithDeadTimeRefusesWhatHasNoMeaning) {
+  expect_failure({"respond", "--model", "exp(-2 s)/s", "--feedback", "1", "--time", "1", "--method", "bdf2"}, 2,
+                 "--method bdf2 has no meaning with --feedback");
+  expect_failure({"respond", "--model", "exp(-2 s)*s", "--feedback", "1", "--time", "1"}, 2, "grows as omega^1");
+}
+
 TEST(Analyse, AFolderThatCannotBeMadeIsFoundOutFirst) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "x");

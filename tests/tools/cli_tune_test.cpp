@@ -57,6 +57,35 @@ TEST(CliTune, TunesFromARelayExperiment) {
   EXPECT_NEAR(std::abs(loop), 1, 0.02);  // the gain is known to about 1 %
 }
 
+// The step of a PI about exp(-1 s)/s, by the trapezoidal rule over a ring of one dead time: second
+// order, 1e-6 at 2000 steps per dead time.
+TEST(CliTune, ForetellsTheStepOfItsLoop) {
+  const auto result = run_fracfit({"tune", "--model", "exp(-1 s)/s", "--structure", "pi", "--lambda", "1",
+                                   "--crossover", "0.4", "--phase-margin", "45"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  const double kp = json["controller"]["kp"], ki = json["controller"]["ki"];
+  constexpr int per_delay = 2000, steps = 60 * per_delay;
+  constexpr double h = 1.0 / per_delay;
+  std::deque<double> control(per_delay + 1, 0.0);
+  double y = 0, integral = 0, peak = 0, settled = 0;
+  for (int n = 0; n <= steps; ++n) {
+    peak = std::max(peak, y);
+    if (std::abs(y - 1) > 0.02) settled = n * h;
+    control.push_back(kp * (1 - y) + ki * integral);
+    control.pop_front();
+    // What the controller gave from t - 1 to t - 1 + h; before 0 nothing.
+    const double next = y + (n < per_delay ? 0 : 0.5 * h * (control[0] + control[1]));
+    integral += 0.5 * h * ((1 - y) + (1 - next));
+    y = next;
+  }
+  const Json& step = json["setpoint_step"];
+  EXPECT_EQ(step["final_value"], 1.0);
+  // The response of the program is within 1e-5, the times within 2e-5 of what it looked at.
+  EXPECT_NEAR(step["overshoot"].get<double>(), peak - 1, 3e-5);
+  EXPECT_NEAR(step["settling_time"].get<double>(), settled, 1e-2);
+}
+
 // The reason for exit code 1 is no note that --quiet takes away.
 TEST(CliTune, SaysWhyThereIsNoAnswerEvenIfQuiet) {
   const std::vector<std::string> asked{"tune",

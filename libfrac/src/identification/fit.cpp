@@ -19,6 +19,7 @@
 #include "identification/search/frequency_search.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
+#include "identification/search/thinned.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
@@ -138,6 +139,22 @@ void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& proble
   result.message += text;
 }
 
+/// robust_search(), of very many points on some of them: its minima are the same, and only the lowest is refined on
+/// all.
+detail::LocalOptions robust_search_of_many(detail::FrequencyProblem& problem, std::optional<double> scale,
+                                           detail::LocalSolution& solution) {
+  constexpr std::size_t searched = 20'000;
+  const FitOptions& options = problem.options;
+  if (problem.data.size() <= 2 * searched) {
+    return robust_search(problem.residuals(), options.loss, scale, options.seed, solution);
+  }
+  const detail::Thinned points = detail::thinned(problem.data, problem.rule, searched);
+  detail::FrequencyResiduals some(points.data, problem.structure, options.realisation, problem.map, points.rule);
+  some.set_priors(problem.priors, detail::expected_noise);
+  static_cast<void>(robust_search(some, options.loss, scale, options.seed, solution));
+  return robust_refinement(problem.residuals(), options.loss, scale, solution);
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
@@ -180,7 +197,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   if (options.loss != Loss::none) {
     const auto scale = options.loss_scale ? std::optional(*options.loss_scale / rule.unit) : std::nullopt;
     if (options.global_start) {
-      local = robust_search(residuals, options.loss, scale, options.seed, solution.best);
+      local = robust_search_of_many(problem, scale, solution.best);
       solution.best.theta =
           map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
     } else {

@@ -164,7 +164,7 @@ class Analyse : public Command {
     Options& o = options();
     add_model(o, model_).required();
     o.parsed("--feedback", feedback_, formula_of,
-             "Analyse the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop "
+             "Take the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop "
              "as the model: its analysis says whether it is stable when closed",
              "FORMULA");
     o.text("--pictures", pictures_,

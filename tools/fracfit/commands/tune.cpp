@@ -15,7 +15,9 @@
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/identification/time_fit.hpp"
+#include "frac/model/algebra.hpp"
 #include "frac/structure.hpp"
+#include "frac/time_response/step_figures.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/time_series_file.hpp"
@@ -64,9 +66,32 @@ Json controller_json(const frac::TuningResult& result) {
           {"mu", result.gains.mu}, {"derivative_filter_time", result.derivative_filter_time}};
 }
 
-Json tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command) {
+using Plant = frac::FractionalTransferFunction;
+
+// What the exact loop, dead time included, does after a step of its reference; empty where it is not stable or not to
+// be computed.
+std::optional<frac::StepFigures> setpoint_step(const frac::TuningResult& result, const Plant& plant) {
+  if (result.closed_loop != frac::Stability::stable || !(result.crossover > 0)) return std::nullopt;
+  try {
+    return frac::step_figures(plant * frac::controller_transfer_function(result.gains, result.derivative_filter_time),
+                              result.crossover);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  } catch (const std::domain_error&) {
+    return std::nullopt;
+  }
+}
+
+Json step_json(const std::optional<frac::StepFigures>& step) {
+  if (!step) return {};
+  return {
+      {"final_value", step->final_value},     {"overshoot", step->overshoot}, {"peak_time", step->peak_time},
+      {"settling_time", step->settling_time}, {"until", step->end},           {"error_estimate", step->error_estimate}};
+}
+
+Json tuning_json(const frac::TuningResult& result, const Plant& plant, const std::string& command) {
   Json json = origin(command);
-  json["plant"] = plant;
+  json["plant"] = plant.formula();
   json["status"] = frac::to_string(result.status);
   json["message"] = result.message;
   json["controller"] = controller_json(result);
@@ -90,6 +115,7 @@ Json tuning_json(const frac::TuningResult& result, const std::string& plant, con
   json["omega_at_max_complementary_sensitivity"] = result.omega_max_complementary_sensitivity;
   json["iae"] = result.iae;
   json["itae"] = result.itae;
+  json["setpoint_step"] = step_json(setpoint_step(result, plant));
   json["evaluations"] = result.evaluations;
   return json;
 }
@@ -159,8 +185,8 @@ std::string text_of_slope(double slope) {
 }
 
 // @param message  of the whole answer
-std::string tuning_table(const frac::TuningResult& result, const std::string& plant, const std::string& message) {
-  std::string text = "plant " + plant + "\n\n";
+std::string tuning_table(const frac::TuningResult& result, const Plant& plant, const std::string& message) {
+  std::string text = "plant " + plant.formula() + "\n\n";
   AlignedTable controller({"", "value"});
   controller.add({"kp", short_number(result.gains.kp)});
   controller.add({"ki", short_number(result.gains.ki)});
@@ -190,6 +216,13 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
   if (std::isfinite(result.iae)) {
     loop.add({"IAE", short_number(result.iae), ""});
     loop.add({"ITAE", short_number(result.itae), ""});
+  }
+  if (const std::optional<frac::StepFigures> step = setpoint_step(result, plant)) {
+    loop.add({"overshoot of a set-point step, %", short_number(100 * step->overshoot), ""});
+    loop.add(
+        {"its settling time to 2 %, s",
+         std::isfinite(step->settling_time) ? short_number(step->settling_time) : "above " + short_number(step->end),
+         ""});
   }
   return text + loop.text() + "\n" + paragraph(message);
 }
@@ -339,7 +372,7 @@ class Tune : public Command {
     frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_, plants.others);
     const std::string misfit = fit_.empty() ? misfit_of_relay(fit) : "";
     result.message += misfit;
-    const std::string plant = frac::fitted_plant(fit).formula();
+    const Plant plant = frac::fitted_plant(fit);
     if (format() == "json") {
       Json json = tuning_json(result.nominal, plant, command_line());
       json["status"] = frac::to_string(misfit.empty() ? result.status : frac::TuningStatus::not_met);
@@ -362,7 +395,7 @@ class Tune : public Command {
   int run_with_backlash() {
     const backlash::BacklashPlant plant = bodies();
     const backlash::BacklashTuning result = backlash::tune_with_backlash(plant, asked_, tuning_);
-    const std::string rigid = backlash::rigid_receptance(plant.bodies).formula();
+    const Plant rigid = backlash::rigid_receptance(plant.bodies);
     if (format() == "json") {
       Json json = tuning_json(result.linear, rigid, command_line());
       append_backlash(json, result, plant);
@@ -381,8 +414,8 @@ class Tune : public Command {
     if (clearance_) return run_with_backlash();
     if (!plant_) return run_for_region();
     const frac::TuningResult result = frac::tune(*plant_, asked_, tuning_);
-    write(format() == "json" ? tuning_json(result, plant_->formula(), command_line()).dump() + "\n"
-                             : tuning_table(result, plant_->formula(), result.message));
+    write(format() == "json" ? tuning_json(result, *plant_, command_line()).dump() + "\n"
+                             : tuning_table(result, *plant_, result.message));
     if (result.status == frac::TuningStatus::met) {
       if (result.mu_at_limit && format() != "table") say(result.message);
       return usable_result;

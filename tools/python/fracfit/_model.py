@@ -274,6 +274,17 @@ class Model:
             self._transfer_function = self._structure.transfer_function(self._values())
         return self._transfer_function
 
+    @property
+    def _driven(self) -> Any:
+        """What answers over time: a transfer function, or a closed loop with dead time, which is none."""
+        try:
+            return self._tf
+        except _core.NoRatio:
+            loop = self._structure.delayed_loop(self._values())
+            if loop is None:
+                raise
+            return loop
+
     def __call__(self, s: Any) -> Any:
         """Value at complex s (rad/s), with the principal values of the powers; at ``1j*omega`` that of the formula.
 
@@ -400,7 +411,7 @@ class Model:
 
     def _respond(self, kind: str, omega: float, time: Any, tolerance: float, method: str) -> TimeResponse:
         time = real_array(time, "time")
-        found = _core.respond_named(self._tf, kind, omega, time, number(tolerance, "tolerance"), text(method, "method"))
+        found = _core.respond_named(self._driven, kind, omega, time, number(tolerance, "tolerance"), text(method, "method"))
         return _time_response(time, found)
 
     def respond(
@@ -441,7 +452,7 @@ class Model:
         input = real_array(input, "input", time.shape)
         instants = time if at is None else real_array(at, "at")
         found = _core.respond_sampled(
-            self._tf, time, input, hold, instants, number(tolerance, "tolerance"), text(method, "method")
+            self._driven, time, input, hold, instants, number(tolerance, "tolerance"), text(method, "method")
         )
         return _time_response(instants, found)
 
@@ -474,11 +485,17 @@ class Model:
     def feedback(self, other: Model | float = 1, sign: int = -1) -> Model:
         """Closed loop ``self/(1 - sign self other)``.
 
+        With dead time in the loop the result is no ratio of sums of powers: it has a frequency response and answers
+        over time, with a stated error, but no list of poles.
+
         Examples
         --------
         >>> from fracfit import Model
         >>> Model("1/s^0.5").feedback()
         Model('1/(s^0.5 + 1)')
+        >>> t, y = Model("0.5 exp(-1 s)/s").feedback().step([1, 2, 3])
+        >>> y.round(6)  # (t - 1)/2 - (t - 2)^2/8 from 1 and 2 s on
+        array([0.   , 0.5  , 0.875])
         """
         if sign not in (-1, 1):
             raise ValueError(f"sign is {sign!r}; expected -1 for negative or 1 for positive feedback")

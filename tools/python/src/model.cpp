@@ -5,6 +5,7 @@
 #include "frac/cancellation.hpp"
 #include "frac/laplace_value.hpp"
 #include "frac/model/algebra.hpp"
+#include "frac/model/delayed_loop.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "frac/model/time_response_data.hpp"
 #include "frac/no_ratio.hpp"
@@ -111,9 +112,14 @@ void add_model(py::module_& module) {
       .def_property_readonly("parameter_names", &frac::Structure::parameter_names)
       .def_property_readonly("is_fractional", &frac::Structure::has_fractional_order)
       .def("response", &response)
-      .def("transfer_function", [](const frac::Structure& structure, const std::vector<double>& values) {
-        return frac::to_transfer_function(structure, values);
+      .def("transfer_function",
+           [](const frac::Structure& structure, const std::vector<double>& values) {
+             return frac::to_transfer_function(structure, values);
+           })
+      .def("delayed_loop", [](const frac::Structure& structure, const std::vector<double>& values) {
+        return frac::delayed_loop(structure, values);
       });
+  py::class_<frac::DelayedLoop>(module, "DelayedLoop");
   py::register_exception<frac::NoRatio>(module, "NoRatio", PyExc_ValueError);
   py::class_<Transfer>(module, "TransferFunction")
       .def_static("parse", [](const std::string& formula) { return Transfer::parse(formula); })

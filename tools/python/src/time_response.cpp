@@ -6,6 +6,8 @@
 #include "arrays.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/fractional_derivative.hpp"
+#include "frac/model/delayed_loop.hpp"
+#include "frac/time_response/loop_response.hpp"
 #include "frac/time_response/response_methods.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -29,6 +31,23 @@ py::dict response(const frac::FractionalTransferFunction& model, const frac::Tim
   auto found = result_of([&](frac::Progress&) { return frac::respond(model, input, at, tolerance, chosen); });
   py::dict result;
   result["method"] = std::string(frac::to_string(found.method));
+  result["error_estimate"] = found.error_estimate;
+  result["meets_tolerance"] = found.meets_tolerance;
+  result["summary"] = found.summary();
+  result["output"] = array_of(std::move(found.output));
+  return result;
+}
+
+py::dict loop_response(const frac::DelayedLoop& closed, const frac::TimeInput& input, const Reals& time,
+                       double tolerance, const std::string& method) {
+  if (frac::response_method_from_string(method) != frac::ResponseMethod::automatic) {
+    throw std::invalid_argument("method is '" + method + "'; a closed loop with dead time has one method, auto");
+  }
+  const auto at = span_of(time);
+  auto found = result_of(
+      [&](frac::Progress&) { return frac::respond_closed_loop(closed.forward, closed.loop, input, at, tolerance); });
+  py::dict result;
+  result["method"] = "closed-loop";
   result["error_estimate"] = found.error_estimate;
   result["meets_tolerance"] = found.meets_tolerance;
   result["summary"] = found.summary();
@@ -64,6 +83,16 @@ void add_time_response(py::module_& module) {
                 const std::string& hold, const Reals& time, double tolerance, const std::string& method) {
                const frac::SampledInput samples{vector_of(input_time), vector_of(input), frac::hold_from_string(hold)};
                return response(model, samples, time, tolerance, method);
+             });
+  module.def("respond_named", [](const frac::DelayedLoop& closed, const std::string& input, double omega,
+                                 const Reals& time, double tolerance, const std::string& method) {
+    return loop_response(closed, named_input(input, omega), time, tolerance, method);
+  });
+  module.def("respond_sampled",
+             [](const frac::DelayedLoop& closed, const Reals& input_time, const Reals& input, const std::string& hold,
+                const Reals& time, double tolerance, const std::string& method) {
+               const frac::SampledInput samples{vector_of(input_time), vector_of(input), frac::hold_from_string(hold)};
+               return loop_response(closed, samples, time, tolerance, method);
              });
   module.def("derivative", &derivative);
 }

@@ -65,6 +65,7 @@ struct Modes {
 struct FastSpace {
   Index slow;  // number of the other modes
   Matrix columns, rows;
+  bool has_given_up;  // modes that belong to it: their vectors coincide
 };
 
 FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
@@ -79,6 +80,7 @@ FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
                1e-9 * moduli[static_cast<std::size_t>(slow)];
   };
   while (parts_pair()) ++slow;
+  const Index wanted = slow;
   Matrix columns, rows;
   for (;;) {
     const Index fast = size - slow;
@@ -98,7 +100,33 @@ FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
     slow += worst + 1;
     while (parts_pair()) ++slow;
   }
-  return {slow, columns, rows};
+  return {slow, columns, rows, slow > wanted};
+}
+
+// A matrix with its modes, parted.
+struct PartedFlight {
+  PartedFlight(const Matrix& matrix_, double pace)
+      : matrix(matrix_), modes(matrix_), fast(fast_space(modes, Modes(matrix_.transpose()), pace)) {}
+
+  Matrix matrix;
+  Modes modes;
+  FastSpace fast;
+};
+
+// Realised powers of s may share a pole far above the pace: eigenvalues equal to rounding, whose vectors are as good as
+// one.  With the slow ones they would make flights as short as their own time.  A change of the diagonal by parts in
+// 1e11, less than any realisation errs by, tells them apart.
+PartedFlight parted(const Matrix& matrix, double pace) {
+  PartedFlight result(matrix, pace);
+  if (!result.fast.has_given_up) return result;
+  constexpr double change = 1e-11, golden = 0.6180339887498949;
+  Matrix moved = matrix;
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    const double turns = static_cast<double>(i) * golden;
+    moved(i, i) *= 1 + change * (turns - std::floor(turns));
+  }
+  PartedFlight other(moved, pace);
+  return other.fast.slow < result.fast.slow ? other : result;
 }
 
 }  // namespace
@@ -108,9 +136,11 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   // Powers of two, so that scaling rounds nothing.
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
   const Eigen::VectorXd& scale = scale_;
-  const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
-  const Modes modes(scaled);
-  const auto [slow, columns, rows] = fast_space(modes, Modes(scaled.transpose()), pace);
+  const PartedFlight flight = parted(scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal(), pace);
+  const Matrix& scaled = flight.matrix;
+  const Modes& modes = flight.modes;
+  const Index slow = flight.fast.slow;
+  const Matrix &columns = flight.fast.columns, &rows = flight.fast.rows;
   const Index fast = size - slow;
   if (fast == 0) {
     // As they are: over a million flights the rounding of a change of basis would add up.
