@@ -123,6 +123,20 @@ class FrequencyResponse(_Samples):
         """
         return cls(2 * np.pi * real_array(f, "f"), response, sigma, **{"frequency_unit": "Hz", **more})
 
+    @classmethod
+    def of(cls, data: Any, values: Any = None) -> FrequencyResponse:
+        """From whatever `fit` takes for one: two arrays, frequencies in Hz first; a table with named columns; xarray; python-control.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> fracfit.FrequencyResponse.of({"f_Hz": [1.0, 10.0], "re_ohm": [2.0, 1.0], "im_ohm": [-1.0, -0.5]})
+        FrequencyResponse(2 points, 1 to 10 Hz, ohm)
+        """
+        from ._doors import response_of
+
+        return response_of(data, values)
+
     @property
     def omega(self) -> np.ndarray:
         """Angular frequencies, rad/s, rising."""
