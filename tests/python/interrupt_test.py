@@ -101,13 +101,12 @@ LONG = {
         fracfit.tune(clearance=0.01, restitution=0.5, load_receptance="1/(s^2 + 0.8 s)", crossover=2, phase_margin=0.9) for _ in range(10)
     ],
     "tune for a region": lambda: [
-        fracfit.tune(fracfit.fit(noisy(OMEGA[::100]), "K/(T s^a + 1)", global_start=False), crossover=1, phase_margin=1, max_sensitivity=1.6)
+        fracfit.tune(fracfit.fit(noisy(OMEGA[::100]), "K/(T s^a + 1)"), crossover=1, phase_margin=1, max_sensitivity=1.6)
         for _ in range(100)
     ],
     "export_spice": lambda: [
         fracfit.export_spice("s^-0.5", kind="impedance", band=(1e-6, 1e6), tolerance=1e-8) for _ in range(1000)
     ],
-    "export_c99": lambda: [fracfit.export_c99("1/(s^0.5 + 1)", sample_time=1e-4) for _ in range(1000)],
     "limit_cycles": lambda: [
         fracfit.limit_cycles("exp(-20 s) (1 + s^0.5)", restitution=0.6, band=(0.001, 100)) for _ in range(50)
     ],

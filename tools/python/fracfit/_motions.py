@@ -170,7 +170,8 @@ def history(
     scene = _scene(mass1, mass2, clearance, restitution, force, omega)
     start = None if position is None else number(position, "position")
     found = _core.history(scene, start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"), count(samples, "samples"))
-    return History({**found, "event": _texts(found["event"]), "contact": _texts(found["contact"])})
+    contact = np.array(["none", "near", "far"])[found["contact"]]
+    return History({**_with_events(found), "contact": contact})
 
 
 @named
@@ -309,12 +310,14 @@ def loop(
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
     found = _core.loop(_model(controller)._tf, bodies, given)
-    return LoopMotion({**found, "event": _texts(found["event"])})
+    return LoopMotion(_with_events(found))
 
 
 def _scene(*values: Any) -> tuple[float, ...]:
     return tuple(number(value, name) for value, name in zip(values, ("mass1", "mass2", "clearance", "restitution", "force", "omega")))
 
 
-def _texts(given: list[str]) -> np.ndarray:
-    return np.array(given, dtype=str)
+def _with_events(found: dict[str, Any]) -> dict[str, Any]:
+    """Words for the numbers of events."""
+    words = np.array(found.pop("events"))
+    return {**found, "event": words[found["event"]]}

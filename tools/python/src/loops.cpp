@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -47,8 +48,6 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const py::di
 }
 
 py::dict dict_of_rows(const std::vector<backlash::LoopRow>& rows) {
-  py::list events;
-  for (const auto& row : rows) events.append(std::string(backlash::to_string(row.event)));
   py::dict result;
   result["time"] = column_of<double>(rows, [](const auto& row) { return row.time; });
   result["x1"] = column_of<double>(rows, [](const auto& row) { return row.x1; });
@@ -56,7 +55,10 @@ py::dict dict_of_rows(const std::vector<backlash::LoopRow>& rows) {
   result["x2"] = column_of<double>(rows, [](const auto& row) { return row.x2; });
   result["v2"] = column_of<double>(rows, [](const auto& row) { return row.v2; });
   result["force"] = column_of<double>(rows, [](const auto& row) { return row.force; });
-  result["event"] = events;
+  result["event"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
+  result["events"] =
+      words_of({backlash::LoopEvent::sample, backlash::LoopEvent::before_impact, backlash::LoopEvent::after_impact,
+                backlash::LoopEvent::contact, backlash::LoopEvent::release});
   return result;
 }
 

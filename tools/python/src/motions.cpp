@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -39,19 +40,20 @@ py::dict history(const Scene& scene, const std::optional<double>& position, doub
     return std::pair(backlash::time_history(system, force, omega, from, periods, samples), true);
   });
   const auto& rows = motion.rows;
-  py::list events, contacts;
-  for (const auto& row : rows) {
-    events.append(std::string(backlash::to_string(row.event)));
-    contacts.append(!row.wall ? "none" : *row.wall == backlash::Wall::near ? "near" : "far");
-  }
   py::dict result;
   result["time"] = column_of<double>(rows, [](const auto& row) { return row.time; });
   result["x1"] = column_of<double>(rows, [](const auto& row) { return row.x1; });
   result["v1"] = column_of<double>(rows, [](const auto& row) { return row.v1; });
   result["x2"] = column_of<double>(rows, [](const auto& row) { return row.x2; });
   result["v2"] = column_of<double>(rows, [](const auto& row) { return row.v2; });
-  result["event"] = events;
-  result["contact"] = contacts;
+  using backlash::HistoryEvent;
+  result["event"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
+  result["events"] = words_of({HistoryEvent::sample, HistoryEvent::before_impact, HistoryEvent::after_impact,
+                               HistoryEvent::rest_begin, HistoryEvent::release});
+  // 0: none, 1: near, 2: far.
+  result["contact"] = column_of<std::int8_t>(rows, [](const auto& row) {
+    return !row.wall ? 0 : *row.wall == backlash::Wall::near ? 1 : 2;
+  });
   result["complete"] = motion.complete;
   result["usable"] = skipped;
   return result;
