@@ -76,6 +76,7 @@ MISTAKES = {
     "falling frequencies": (lambda: fracfit.describing_function(OMEGA[::-1], restitution=0.6), ["omega"]),
     "no restitution": (lambda: fracfit.describing_function(OMEGA), ["restitution"]),
     "nothing to tune for": (lambda: fracfit.tune(PLANT), ["crossover"]),
+    "data in place of a plant": (lambda: fracfit.tune(DATA, crossover=1.0), ["fit"]),
     "a phase margin in degrees": (lambda: fracfit.tune(PLANT, crossover=1.0, phase_margin=60), ["rad"]),
     "a fractional PID without a band": (lambda: FractionalPid(ki=1, lambda_=0.5, sample_time=0.01), ["band"]),
     "a PID without a sample time": (lambda: FractionalPid(1, 1), ["sample_time"]),

@@ -1085,6 +1085,8 @@ def tune(
 
         bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
         return Tuning(_fitting.tune_with_backlash(bodies, specification, options))
+    if isinstance(plant, (FrequencyResponse, TimeSeries)):
+        raise ValueError(f"plant is of the type {type(plant).__name__}; fit a model to it, and give the result: its region is kept in mind")
     if isinstance(plant, FitResult):
         return Tuning(_fitting.tune_for_region(plant._values, specification, options))
     model = plant if isinstance(plant, Model) else Model(plant)
@@ -1296,7 +1298,9 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
     if isinstance(model, Model):
         return model.formula, model.parameters
     if not isinstance(model, str):
-        raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
+        raise ValueError(
+            f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset; Model(system) is that of another package"
+        )
     if not _WORD.fullmatch(model):
         return model, {}
     if model == _LAW_OF_ONE_PART and not of_one_part:
