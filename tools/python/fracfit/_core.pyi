@@ -7,6 +7,8 @@ Report = Callable[[int, int], Any] | None
 
 version: str
 regimes: tuple[str, ...]
+history_events: tuple[str, ...]
+loop_events: tuple[str, ...]
 
 class NoRatio(ValueError): ...
 

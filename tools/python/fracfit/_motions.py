@@ -25,7 +25,13 @@ class _Motion(_Record, Table):
     v1: np.ndarray
     x2: np.ndarray
     v2: np.ndarray
-    event: np.ndarray
+    event_code: np.ndarray
+    _words: tuple[str, ...] = ()
+
+    @property
+    def event(self) -> np.ndarray:
+        """What each row shows."""
+        return np.array(self._words)[self.event_code]
 
     @property
     def size(self) -> int:
@@ -33,8 +39,8 @@ class _Motion(_Record, Table):
         return len(self.time)
 
     def _columns(self) -> dict[str, Any]:
-        names = ("time", "x1", "v1", "x2", "v2", "force", "event", "contact")
-        columns = {name: getattr(self, name) for name in names if name in self.__dict__}
+        columns = {name: getattr(self, name) for name in ("time", "x1", "v1", "x2", "v2", "force") if name in self.__dict__}
+        columns["event"] = self.event
         unit = {"time": "_s", "x1": "_m", "x2": "_m", "v1": "_m_s", "v2": "_m_s", "force": "_n"}
         return {name + unit.get(name, ""): column for name, column in columns.items()}
 
@@ -62,9 +68,18 @@ class History(_Motion):
         False where the periods to skip held more impacts than can be followed.
     """
 
-    contact: np.ndarray
+    contact_code: np.ndarray
     complete: bool
     usable: bool
+    _words = _core.history_events
+
+    @property
+    def contact(self) -> np.ndarray:
+        """Wall that the masses are at in each row."""
+        return np.array(["none", "near", "far"])[self.contact_code]
+
+    def _columns(self) -> dict[str, Any]:
+        return {**super()._columns(), "contact": self.contact}
 
 
 class LoopMotion(_Motion):
@@ -89,6 +104,7 @@ class LoopMotion(_Motion):
     """
 
     force: np.ndarray
+    _words = _core.loop_events
     impacts: int
     end: str
     end_time: float
@@ -170,8 +186,7 @@ def history(
     scene = _scene(mass1, mass2, clearance, restitution, force, omega)
     start = None if position is None else number(position, "position")
     found = _core.history(scene, start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"), count(samples, "samples"))
-    contact = np.array(["none", "near", "far"])[found["contact"]]
-    return History({**_with_events(found), "contact": contact})
+    return History(found)
 
 
 @named
@@ -310,14 +325,8 @@ def loop(
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
     found = _core.loop(_model(controller)._tf, bodies, given)
-    return LoopMotion(_with_events(found))
+    return LoopMotion(found)
 
 
 def _scene(*values: Any) -> tuple[float, ...]:
     return tuple(number(value, name) for value, name in zip(values, ("mass1", "mass2", "clearance", "restitution", "force", "omega")))
-
-
-def _with_events(found: dict[str, Any]) -> dict[str, Any]:
-    """Words for the numbers of events."""
-    words = np.array(found.pop("events"))
-    return {**found, "event": words[found["event"]]}

@@ -55,10 +55,7 @@ py::dict dict_of_rows(const std::vector<backlash::LoopRow>& rows) {
   result["x2"] = column_of<double>(rows, [](const auto& row) { return row.x2; });
   result["v2"] = column_of<double>(rows, [](const auto& row) { return row.v2; });
   result["force"] = column_of<double>(rows, [](const auto& row) { return row.force; });
-  result["event"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
-  result["events"] =
-      words_of({backlash::LoopEvent::sample, backlash::LoopEvent::before_impact, backlash::LoopEvent::after_impact,
-                backlash::LoopEvent::contact, backlash::LoopEvent::release});
+  result["event_code"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
   return result;
 }
 
@@ -123,6 +120,9 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
 void add_loops(py::module_& module) {
   module.def("limit_cycles", &cycles);
   module.def("loop", &simulated);
+  module.attr("loop_events") = py::tuple(
+      words_of({backlash::LoopEvent::sample, backlash::LoopEvent::before_impact, backlash::LoopEvent::after_impact,
+                backlash::LoopEvent::contact, backlash::LoopEvent::release}));
 }
 
 }  // namespace python

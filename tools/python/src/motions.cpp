@@ -46,12 +46,9 @@ py::dict history(const Scene& scene, const std::optional<double>& position, doub
   result["v1"] = column_of<double>(rows, [](const auto& row) { return row.v1; });
   result["x2"] = column_of<double>(rows, [](const auto& row) { return row.x2; });
   result["v2"] = column_of<double>(rows, [](const auto& row) { return row.v2; });
-  using backlash::HistoryEvent;
-  result["event"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
-  result["events"] = words_of({HistoryEvent::sample, HistoryEvent::before_impact, HistoryEvent::after_impact,
-                               HistoryEvent::rest_begin, HistoryEvent::release});
+  result["event_code"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
   // 0: none, 1: near, 2: far.
-  result["contact"] = column_of<std::int8_t>(rows, [](const auto& row) {
+  result["contact_code"] = column_of<std::int8_t>(rows, [](const auto& row) {
     return !row.wall ? 0 : *row.wall == backlash::Wall::near ? 1 : 2;
   });
   result["complete"] = motion.complete;
@@ -97,7 +94,11 @@ py::dict basins(const Scene& scene, const Reals& position, const Reals& velocity
 }  // namespace
 
 void add_motions(py::module_& module) {
+  using backlash::HistoryEvent;
   module.def("history", &history);
+  module.attr("history_events") =
+      py::tuple(words_of({HistoryEvent::sample, HistoryEvent::before_impact, HistoryEvent::after_impact,
+                          HistoryEvent::rest_begin, HistoryEvent::release}));
   module.def("basins", &basins);
 }
 
