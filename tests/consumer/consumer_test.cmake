@@ -42,6 +42,18 @@ if(SANITIZE)
 endif()
 run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/${NAME} -B ${project_build} -G ${GENERATOR} ${options})
 run(${CMAKE_COMMAND} --build ${project_build})
+# Where pkg-config is, its files name the place of this installation.
+find_program(pkg_config NAMES pkg-config pkgconf)
+if(pkg_config)
+  file(GLOB_RECURSE pc_files ${stage}/*.pc)
+  list(GET pc_files 0 pc_file)
+  get_filename_component(pc_folder ${pc_file} DIRECTORY)
+  run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc_folder} ${pkg_config} --variable=prefix fracfit-core)
+  expect_output("^${stage}\n$")
+  run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pc_folder} ${pkg_config} --cflags --libs fracfit-core)
+  expect_output("-I${stage}/include")
+endif()
+
 # Runs an example and leaves what it prints in `output`.
 function(run_example example)
   run(${project_build}/${example})

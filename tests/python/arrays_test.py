@@ -93,7 +93,7 @@ def test_data_do_not_follow_the_callers_array_and_cannot_be_changed():
 def test_a_million_points():
     omega = np.linspace(0.1, 100, 1_000_000)
     data = MODEL.frequency_response(omega)
-    assert len(data) == omega.size
+    assert data.size == omega.size
     assert data.response[0] == MODEL(0.1j)
     values = fracfit.mittag_leffler(0.7, 1, -omega)
     # Completely monotone (Pollard 1948): falls from 1 to 0.
@@ -112,7 +112,7 @@ def test_where_and_units():
     kept = data.where("im<0", data.f < 2.5)
     assert kept.response.tolist() == [3 - 2j]
     assert kept.sigma.tolist() == [0.2]
-    assert len(data.where("f>1.5")) == 2
+    assert data.where("f>1.5").size == 2
     with pytest.raises(ValueError, match="expected"):
         data.where("colour==3")
     with pytest.raises(ValueError, match="mask|bool"):
@@ -149,7 +149,7 @@ def test_reads_files():
     assert cell.unit == "ohm"
     step = fracfit.read(os.path.join(command_line.DATA, "examples", "step.csv"))
     assert isinstance(step, TimeSeries) and step.time[1] == 0.25
-    assert len(fracfit.read(os.path.join(command_line.DATA, "examples", "cell.csv"), where="f<1")) == np.sum(rows[:, 0] < 1)
+    assert fracfit.read(os.path.join(command_line.DATA, "examples", "cell.csv"), where="f<1").size == np.sum(rows[:, 0] < 1)
 
 
 def test_reads_one_of_several_sweeps(tmp_path):

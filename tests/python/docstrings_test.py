@@ -26,7 +26,7 @@ def test_examples_give_what_they_say(name):
     assert failed == 0
 
 
-@pytest.mark.parametrize("page, least", [("tools/docs/python.md", 20), ("README.md", 8)])
+@pytest.mark.parametrize("page, least", [("tools/docs/python.md", 20), ("tools/docs/coming-from.md", 10), ("README.md", 8)])
 def test_examples_of_pages_give_what_they_say(page, least, monkeypatch):
     root = pathlib.Path(os.environ["FRACFIT_DATA"]).parent
     monkeypatch.chdir(root)

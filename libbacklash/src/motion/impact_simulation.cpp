@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/check.hpp"
+#include "frac/cancellation.hpp"
 #include "gap_motion.hpp"
 #include "motion_piece.hpp"
 #include "simulation_start.hpp"
@@ -68,6 +69,7 @@ ImpactHistory simulate_impacts(const TwoMassSystem& system, double force_amplitu
   };
   detail::GapState state = begin;
   for (;;) {
+    frac::throw_if_cancelled();
     const detail::MotionPiece piece = detail::piece_from(motion, state, detail::neglected_tail);
     const bool lasts = piece.end.half_period >= last_peak;
     if (piece.is_rest) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/spelling.hpp"
+#include "frac/cancellation.hpp"
 #include "motion_piece.hpp"
 #include "simulation_start.hpp"
 
@@ -97,6 +98,7 @@ TimeHistory time_history(const TwoMassSystem& system, double force_amplitude, do
         piece.is_rest ? detail::radians_to_half_period(piece.begin, piece.end.half_period) + (pi / 2 + piece.end.s)
                       : piece.flight.duration;
     for (; next_sample <= all_samples; ++next_sample) {
+      frac::throw_if_cancelled();
       const std::int64_t period = next_sample / samples;
       const double phase = 2 * pi * static_cast<double>(next_sample % samples) / samples;
       // Peaks of the force begin the odd half periods.

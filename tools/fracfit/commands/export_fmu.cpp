@@ -5,23 +5,13 @@
 #include "backlash/fmu.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/fmu.hpp"
-#include "io/c_compiler.hpp"
+#include "io/fmu_archive.hpp"
 #include "io/version.hpp"
-#include "io/zip_archive.hpp"
 #include "options/controller_request.hpp"
 #include "options/scene_options.hpp"
 
 namespace fracfit {
 namespace {
-
-// Where FMI 2.0 expects the library for the machine this program runs on; empty where it has no name for it.
-constexpr const char* binaries_folder() {
-#if defined(__linux__) && defined(__x86_64__)
-  return "binaries/linux64/";
-#else
-  return "";
-#endif
-}
 
 class ExportFmu : public Command {
  public:
@@ -103,22 +93,11 @@ class ExportFmu : public Command {
 
   int run() override {
     const frac::Fmu made = unit();
-    std::vector<io::ArchivedFile> archive;
     std::vector<std::pair<std::string, std::string>> sources;
-    for (const frac::NamedText& file : made.files) {
-      archive.push_back({file.path, file.text});
-      sources.emplace_back(file.path, file.text);
-    }
-    std::string no_library = "this machine is not 64-bit Linux";
-    if (const std::string folder = binaries_folder(); !folder.empty()) {
-      io::CompiledLibrary library = io::compile_shared_library(
-          sources, made.main_source,
-          {{"-DFMU_HAS_AVX512"}, {"-mavx512f", "-DFMU_FOR_AVX512", "-DFMI2_FUNCTION_PREFIX=avx512_"}});
-      no_library = library.failure;
-      if (no_library.empty()) archive.push_back({folder + made.name + ".so", std::move(library.bytes)});
-    }
-    write(io::zip_archive(archive));
-    if (!no_library.empty()) complain("the unit holds its sources only: " + no_library);
+    for (const frac::NamedText& file : made.files) sources.emplace_back(file.path, file.text);
+    const io::FmuArchive archive = io::fmu_archive(made.name, sources, made.main_source);
+    write(archive.bytes);
+    if (!archive.no_library.empty()) complain("the unit holds its sources only: " + archive.no_library);
     if (!note_.empty()) say(note_);
     if (missed_.empty()) return usable_result;
     say(missed_);

@@ -37,26 +37,39 @@ from ._backlash import (
 )
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
+from ._motions import Basins, History, LoopMotion, basins, history, loop
 from ._model import Approximation, Margins, Model, Realisation, Stability, TimeResponse, approximate
 from ._special import derivative, mittag_leffler
 
 if TYPE_CHECKING:
-    from ._economy import Economy, economy
-    from ._fit import (
-        BatchResult,
-        CustomCircuit,
-        FitResult,
-        Identification,
-        SceneIdentification,
-        Tuning,
-        batch,
-        fit,
-        identify,
-        identify_scene,
-        presets,
-        tune,
+    from ._economy import Economy as Economy, economy as economy
+    from ._exports import (
+        Circuit as Circuit,
+        export_arduino as export_arduino,
+        export_c99 as export_c99,
+        export_fmu as export_fmu,
+        export_spice as export_spice,
+        report as report,
     )
-    from .plots import plot_bode, plot_nyquist
+    from ._fit import (
+        BatchResult as BatchResult,
+        CustomCircuit as CustomCircuit,
+        FitBand as FitBand,
+        FitPoints as FitPoints,
+        FitResult as FitResult,
+        Identification as Identification,
+        SceneIdentification as SceneIdentification,
+        Tuning as Tuning,
+        batch as batch,
+        fit as fit,
+        identify as identify,
+        identify_scene as identify_scene,
+        presets as presets,
+        tune as tune,
+    )
+    from ._joint import JointFit as JointFit, JumpLaw as JumpLaw, joint_fit as joint_fit, jump_law as jump_law
+    from ._validity import RelaxationTimes as RelaxationTimes, Validation as Validation, drt as drt, validate as validate
+    from .plots import plot_bode as plot_bode, plot_nyquist as plot_nyquist
 
 __version__: str = _core.version
 
@@ -65,6 +78,8 @@ _LATER = {
         (
             "BatchResult",
             "CustomCircuit",
+            "FitBand",
+            "FitPoints",
             "FitResult",
             "Identification",
             "SceneIdentification",
@@ -79,16 +94,22 @@ _LATER = {
         "_fit",
     ),
     **dict.fromkeys(("Economy", "economy"), "_economy"),
+    **dict.fromkeys(("Circuit", "export_arduino", "export_c99", "export_fmu", "export_spice", "report"), "_exports"),
+    **dict.fromkeys(("JointFit", "JumpLaw", "joint_fit", "jump_law"), "_joint"),
+    **dict.fromkeys(("RelaxationTimes", "Validation", "drt", "validate"), "_validity"),
     "plot_bode": "plots",
     "plot_nyquist": "plots",
 }
 
 __all__ = [
     "Approximation",
+    "Basins",
     "DescribingFunction",
     "FractionalPid",
     "FrequencyResponse",
+    "History",
     "LimitCycles",
+    "LoopMotion",
     "Margins",
     "Model",
     "OrbitBranch",
@@ -98,10 +119,13 @@ __all__ = [
     "TimeResponse",
     "TimeSeries",
     "approximate",
+    "basins",
     "derivative",
     "describing_function",
+    "history",
     "jump_frequency",
     "limit_cycles",
+    "loop",
     "mittag_leffler",
     "orbits",
     "read",
@@ -116,7 +140,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name not in _LATER:
-        raise AttributeError(f"module 'fracfit' has no attribute {name!r}")
+        from ._words import meant
+
+        suggestion = "" if name.startswith("_") else meant(name, __all__)
+        raise AttributeError(f"module 'fracfit' has no attribute {name!r}{suggestion}")
     from importlib import import_module
 
     value = getattr(import_module(f".{_LATER[name]}", __name__), name)
@@ -125,4 +152,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(set(globals()) | set(_LATER))
+    return sorted({"__version__", *__all__, *(name for name in globals() if name.startswith("__"))})

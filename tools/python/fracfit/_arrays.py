@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from typing import Any, Mapping
 
 import numpy as np
@@ -90,6 +91,22 @@ def text(value: Any, name: str) -> str:
     if not isinstance(value, str):
         raise ValueError(f"{name} is {value!r}; expected a text")
     return value
+
+
+def path_of(value: Any, name: str) -> str:
+    """The path of a file or folder."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise ValueError(f"{name} is {value!r}; expected a path")
+    return os.fspath(value)
+
+
+def texts(value: Any, name: str) -> list[str]:
+    """One text or several."""
+    if isinstance(value, str):
+        return [value]
+    if not isinstance(value, (list, tuple)):
+        raise ValueError(f"{name} is {value!r}; expected a text, or a list of them")
+    return [text(each, name) for each in value]
 
 
 def mapping(value: Any, name: str) -> Mapping[str, Any]:

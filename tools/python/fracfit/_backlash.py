@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -11,30 +12,66 @@ from . import _core
 from ._arrays import count, number, pair, real_array, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
+from ._tables import Table
 from ._text import html_table, reporter
+from ._words import named
 
 REGIMES: tuple[str, ...] = _core.regimes
 _COMPUTED = {"computed_by": "fracfit"}
 
 
-class _Points(_Record):
+class _Points(_Record, Table):
     """Values of a describing function on a grid, with what was found of the motion."""
+
+    omega: np.ndarray
+    response: np.ndarray
+    uncertainty: np.ndarray
+    regime_code: np.ndarray
+    period: np.ndarray
+    impacts_per_period: np.ndarray
+    third_harmonic_ratio: np.ndarray
+    even_harmonic_ratio: np.ndarray
+    energy_defect: np.ndarray
+    lyapunov_exponent: np.ndarray
+    transient_possible: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of points, of all curves."""
+        return self.response.size
+
+    def __bool__(self) -> bool:
+        return True
+
+    def _columns(self) -> dict[str, Any]:
+        flat = {name: getattr(self, name).reshape(-1) for name in ("period", "impacts_per_period", "uncertainty", "third_harmonic_ratio")}
+        columns = {"omega_rad_s": np.broadcast_to(self.omega, self.response.shape).reshape(-1)}
+        if self.response.ndim > 1:
+            columns = {"curve": np.repeat(np.arange(self.response.size // self.omega.size), self.omega.size), **columns}
+        values = self.response.reshape(-1)
+        columns.update({"re_m_per_n": values.real, "im_m_per_n": values.imag, "regime": self.regime.reshape(-1)})
+        flat["uncertainty_m_per_n"] = flat.pop("uncertainty")
+        return {**columns, **flat}
+
+    def _head(self) -> dict[str, str]:
+        return dict(_COMPUTED)
 
     @property
     def regime(self) -> np.ndarray:
         """Kind of motion at each point: rigid, free, symmetric, periodic, chatter or averaged."""
-        return np.array(REGIMES)[self.regime_code]  # type: ignore[attr-defined]
+        return np.array(REGIMES)[self.regime_code]
 
     def __len__(self) -> int:
-        return len(self.omega)  # type: ignore[attr-defined]
+        warnings.warn(f"a {type(self).__name__} is no sequence: write its size in place of its len()", DeprecationWarning, stacklevel=2)
+        return len(self.omega)
 
     def _counts(self) -> list[tuple[str, int]]:
-        codes, counts = np.unique(self.regime_code, return_counts=True)  # type: ignore[attr-defined]
+        codes, counts = np.unique(self.regime_code, return_counts=True)
         return [(REGIMES[code], int(count)) for code, count in zip(codes, counts)]
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{count} {name}" for name, count in self._counts())
-        shape = " x ".join(str(each) for each in self.response.shape)  # type: ignore[attr-defined]
+        shape = " x ".join(str(each) for each in self.response.shape)
         return f"{type(self).__name__}({shape} points: {kinds})"
 
     def _repr_html_(self) -> str:
@@ -63,20 +100,23 @@ class DescribingFunction(_Points):
     """
 
     def __iter__(self) -> Any:
-        return iter((self.omega, self.response))  # type: ignore[attr-defined]
+        return iter((self.omega, self.response))
 
     def data(self) -> FrequencyResponse:
         """The curve as data for a fit; of several the first dimension has to be chosen before."""
-        response = self.response  # type: ignore[attr-defined]
+        response = self.response
         if response.ndim != 1:
             raise ValueError(f"there are curves of the shape {response.shape[:-1]}; take one of `response`")
-        return FrequencyResponse(self.omega, response, unit="m/N", metadata=_COMPUTED)  # type: ignore[attr-defined]
+        return FrequencyResponse(self.omega, response, unit="m/N", metadata=_COMPUTED)
 
+    def plot(self, *, kind: str = "bode", ax: Any = None, **options: Any) -> Any:
+        """A picture of one curve with matplotlib, see `FrequencyResponse.plot`."""
+        return self.data().plot(kind=kind, ax=ax, **options)
 
     @property
     def minus_inverse(self) -> np.ndarray:
         """-1/N, N/m; nan where N is 0."""
-        response = self.response  # type: ignore[attr-defined]
+        response = self.response
         found, _ = _core.minus_inverse(response.reshape(-1), np.zeros(response.size))
         return found.reshape(response.shape)
 
@@ -84,7 +124,10 @@ class DescribingFunction(_Points):
 class RegimeMap(_Points):
     """Describing function over restitution (rows) and frequency (columns); attributes as `DescribingFunction`."""
 
+    restitution: np.ndarray
 
+
+@named
 def describing_function(
     omega: Any,
     *,
@@ -144,6 +187,7 @@ def describing_function(
     return DescribingFunction({"omega": omega, **found})
 
 
+@named
 def static_describing_function(
     omega: Any, *, force: float = 1.0, clearance: float = 1.0, mass1: float = 1.0, mass2: float = 1.0
 ) -> FrequencyResponse:
@@ -189,6 +233,7 @@ def restitution_from_loss_factor(loss_factor: float) -> float | None:
     return _core.restitution_from_loss_factor(number(loss_factor, "loss_factor"))
 
 
+@named
 def regime_map(
     omega: Any,
     restitution: Any,
@@ -221,7 +266,7 @@ def regime_map(
     return RegimeMap({"omega": omega, "restitution": restitution, **found})
 
 
-class OrbitBranch(_Record):
+class OrbitBranch(_Record, Table):
     """Periodic orbits of one pattern along a parameter.
 
     Attributes
@@ -238,13 +283,30 @@ class OrbitBranch(_Record):
         Why the branch ends there.
     """
 
+    period: int
+    impacts: int
+    symmetric: bool
+    parameter: np.ndarray
+    omega: np.ndarray
+    response: np.ndarray
+    stable: np.ndarray
+    multipliers: np.ndarray
+    bifurcations: list[dict[str, Any]]
+    begin: str
+    end: str
+
+    def _columns(self) -> dict[str, Any]:
+        values = {"parameter": self.parameter, "omega_rad_s": self.omega, "re_m_per_n": self.response.real, "im_m_per_n": self.response.imag}
+        return {**values, "stable": self.stable}
+
     def __repr__(self) -> str:
-        name = f"{self.impacts} impacts in {self.period} periods"  # type: ignore[attr-defined]
-        low, high = self.parameter.min(), self.parameter.max()  # type: ignore[attr-defined]
-        stable = int(self.stable.sum())  # type: ignore[attr-defined]
-        return f"OrbitBranch({name}, {low:.5g} to {high:.5g}, {stable} of {len(self.stable)} orbits stable)"  # type: ignore[attr-defined]
+        name = f"{self.impacts} impacts in {self.period} periods"
+        low, high = self.parameter.min(), self.parameter.max()
+        stable = int(self.stable.sum())
+        return f"OrbitBranch({name}, {low:.5g} to {high:.5g}, {stable} of {len(self.stable)} orbits stable)"
 
 
+@named
 def orbits(
     start: float,
     stop: float,
@@ -300,7 +362,7 @@ def orbits(
     return [OrbitBranch(each) for each in found]
 
 
-class LimitCycles(_Record):
+class LimitCycles(_Record, Table):
     """Limit cycles of a loop.
 
     Attributes
@@ -321,10 +383,21 @@ class LimitCycles(_Record):
         Every frequency is that of a cycle.
     """
 
+    cycles: list[dict[str, Any]]
+    predicted: list[dict[str, Any]]
+    motions: list[str]
+    searched: tuple[float, float]
+    certain: bool
+    any_frequency: bool
+
+    def _columns(self) -> dict[str, Any]:
+        names = ("omega", "symmetric", "impacts_per_period", "impact_speed", "admissible", "stable")
+        return {name: [cycle[name] for cycle in self.cycles] for name in names}
+
     def __repr__(self) -> str:
-        found = sum(cycle["admissible"] for cycle in self.cycles)  # type: ignore[attr-defined]
-        lines = [f"LimitCycles({found} found, {len(self.predicted)} predicted)"]  # type: ignore[attr-defined]
-        for cycle in self.cycles:  # type: ignore[attr-defined]
+        found = sum(cycle["admissible"] for cycle in self.cycles)
+        lines = [f"LimitCycles({found} found, {len(self.predicted)} predicted)"]
+        for cycle in self.cycles:
             kind = "stable" if cycle["stable"] else "unstable"
             if cycle["impacts_per_period"] != 2 or not cycle["symmetric"]:
                 kind += f", {cycle['impacts_per_period']} impacts"
@@ -332,6 +405,7 @@ class LimitCycles(_Record):
         return "\n".join(lines)
 
 
+@named
 def limit_cycles(
     controller: Model | str,
     *,
@@ -374,13 +448,7 @@ def limit_cycles(
     """
     found = _core.limit_cycles(
         _model(controller)._tf,
-        None if mass1 is None else number(mass1, "mass1"),
-        None if mass2 is None else number(mass2, "mass2"),
-        None if load_receptance is None else _model(load_receptance)._tf,
-        None if drive_receptance is None else _model(drive_receptance)._tf,
-        number(clearance, "clearance"),
-        number(restitution, "restitution"),
-        text(body, "body"),
+        _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body),
         None if band is None else pair(band, "band"),
         count(harmonics, "harmonics"),
         count(starts, "starts"),
@@ -388,6 +456,7 @@ def limit_cycles(
     return LimitCycles(found)
 
 
+@named
 def jump_frequency(
     *,
     restitution: float,
@@ -418,6 +487,21 @@ def jump_frequency(
 
 def _model(given: Model | str) -> Model:
     return given if isinstance(given, Model) else Model(given)
+
+
+def _bodies(
+    restitution: Any, clearance: Any, mass1: Any, mass2: Any, load_receptance: Any, drive_receptance: Any, body: Any
+) -> dict[str, Any]:
+    """Two bodies with clearance, as the compiled part takes them."""
+    return {
+        "mass1": None if mass1 is None else number(mass1, "mass1"),
+        "mass2": None if mass2 is None else number(mass2, "mass2"),
+        "load_receptance": None if load_receptance is None else _model(load_receptance)._tf,
+        "drive_receptance": None if drive_receptance is None else _model(drive_receptance)._tf,
+        "clearance": number(clearance, "clearance"),
+        "restitution": number(restitution, "restitution"),
+        "body": text(body, "body"),
+    }
 
 
 def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from . import _core
 from ._arrays import count, number, pair, real_array, text
 from ._data import FrequencyResponse
 from ._text import html_table
+from ._words import named
 
 
 class FractionalPid:
@@ -56,6 +57,7 @@ class FractionalPid:
     True
     """
 
+    @named
     def __init__(
         self,
         kp: float = 0.0,
@@ -136,7 +138,8 @@ class FractionalPid:
 
     def c_header(self, name: str = "controller", precision: str = "double") -> str:
         """The controller as a self-contained C99 header; its outputs are those of `step`, bit for bit."""
-        return self._controller.c_header(text(name, "name"), text(precision, "precision"))
+        how = {"name": text(name, "name"), "precision": text(precision, "precision"), "comment": "", "fixed_point": None}
+        return self._controller.exported("c99", how)  # type: ignore[no-any-return]
 
     @property
     def output(self) -> float:

@@ -4,16 +4,44 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from . import _core
 from ._arrays import NO_NUMBERS, complex_array, mapping, number, real_array, text
+from ._tables import Table, column_unit
+from ._text import html_table
+from ._words import named, no_attribute
 
 
-class FrequencyResponse:
+class _Samples(Table):
+    """Arrays of one length.
+
+    No sequence: it unpacks into its arrays, ``data[...]`` is a choice of its points, ``data.size`` their number.
+    """
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        raise NotImplementedError
+
+    def __getattr__(self, name: str) -> Any:
+        raise no_attribute(self, name)
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __len__(self) -> int:
+        warnings.warn(f"a {type(self).__name__} is no sequence: write its size in place of its len()", DeprecationWarning, stacklevel=2)
+        return self.size
+
+
+class FrequencyResponse(_Samples):
     """Samples of a frequency response.
+
+    It unpacks into its arrays, ``omega, response = data``; ``data[10:20]``, a mask or indices choose points of it.
 
     Parameters
     ----------
@@ -51,6 +79,7 @@ class FrequencyResponse:
     (1-1j)
     """
 
+    @named
     def __init__(
         self,
         omega: Any,
@@ -93,6 +122,20 @@ class FrequencyResponse:
         array([ 10., 100.])
         """
         return cls(2 * np.pi * real_array(f, "f"), response, sigma, **{"frequency_unit": "Hz", **more})
+
+    @classmethod
+    def of(cls, data: Any, values: Any = None) -> FrequencyResponse:
+        """From whatever `fit` takes for one: two arrays, frequencies in Hz first; a table with named columns; xarray; python-control.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> fracfit.FrequencyResponse.of({"f_Hz": [1.0, 10.0], "re_ohm": [2.0, 1.0], "im_ohm": [-1.0, -0.5]})
+        FrequencyResponse(2 points, 1 to 10 Hz, ohm)
+        """
+        from ._doors import response_of
+
+        return response_of(data, values)
 
     @property
     def omega(self) -> np.ndarray:
@@ -141,10 +184,10 @@ class FrequencyResponse:
         --------
         >>> import fracfit
         >>> data = fracfit.FrequencyResponse([1, 2, 4], [1 - 1j, 0.5 - 0.8j, 0.2 + 0.5j])
-        >>> len(data.where("omega >= 2", "im<0"))
+        >>> data.where("omega >= 2", "im<0").size
         1
         """
-        kept = np.ones(len(self), dtype=bool)
+        kept = np.ones(self.size, dtype=bool)
         for condition in conditions:
             if isinstance(condition, str):
                 from . import _files
@@ -171,7 +214,7 @@ class FrequencyResponse:
         """
         from . import _core
 
-        sigma = np.zeros(len(self)) if self._sigma is None else self._sigma
+        sigma = np.zeros(self.size) if self._sigma is None else self._sigma
         response, spread = _core.minus_inverse(self._response, sigma)
         kept = np.isfinite(response)
         metadata = dict(self.metadata)
@@ -188,22 +231,26 @@ class FrequencyResponse:
             metadata=metadata,
         )
 
-    def plot(self, *, kind: str = "bode", **options: Any) -> Any:
+    def plot(self, *, kind: str = "bode", ax: Any = None, **options: Any) -> Any:
         """A picture with matplotlib, ``kind`` "bode" or "nyquist"; see `plot_bode` and `plot_nyquist`."""
         from . import plots
 
         draw = {"bode": plots.plot_bode, "nyquist": plots.plot_nyquist}.get(kind)
         if draw is None:
             raise ValueError(f"kind is {kind!r}; expected bode or nyquist")
-        return draw(self, **options)
+        return draw(self, ax=ax, **options)
 
     def __iter__(self) -> Iterator[np.ndarray]:
-        # So that omega, response = data.
         return iter((self._omega, self._response))
 
     def __getitem__(self, points: Any) -> FrequencyResponse:
         """Some of the points: a slice, an index or several, or a mask."""
-        kept = np.atleast_1d(np.arange(len(self))[points])
+        try:
+            kept = np.atleast_1d(np.arange(self.size)[points])
+        except IndexError:
+            raise IndexError(f"{points!r} is no choice of {self.size} points; expected a slice, an index, several, or a mask") from None
+        if not kept.size:
+            raise ValueError("no point is left")
         sigma = None if self._sigma is None else self._sigma[kept]
         return FrequencyResponse(
             self._omega[kept],
@@ -214,8 +261,36 @@ class FrequencyResponse:
             metadata=self.metadata,
         )
 
-    def __len__(self) -> int:
-        return len(self._omega)
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self._omega.size
+
+    def _columns(self) -> dict[str, Any]:
+        unit = column_unit(self.unit)
+        columns = {"omega_rad_s": self._omega, f"re{unit}": self._response.real, f"im{unit}": self._response.imag}
+        return columns if self._sigma is None else {**columns, f"sigma{unit}": self._sigma}
+
+    def _head(self) -> Mapping[str, str]:
+        return self.metadata
+
+    def to_xarray(self) -> Any:
+        """An `xarray.DataArray` of the complex values over omega, with units as its attributes."""
+        try:
+            import xarray
+        except ImportError:
+            raise ImportError("to_xarray() needs xarray; to_dataframe() needs pandas, to_csv() neither") from None
+        axis = xarray.DataArray(self._omega, dims="omega", attrs={"units": "rad/s"})
+        coords = {"omega": axis} if self._sigma is None else {"omega": axis, "sigma": ("omega", self._sigma)}
+        return xarray.DataArray(self._response, dims="omega", coords=coords, name="response", attrs={"units": self.unit})
+
+    def control(self) -> Any:
+        """The response as one of python-control, `control.FRD`."""
+        try:
+            import control
+        except ImportError:
+            raise ImportError("control() needs the package control (python-control)") from None
+        return control.FRD(self._response, self._omega)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, FrequencyResponse):
@@ -231,9 +306,17 @@ class FrequencyResponse:
     def __repr__(self) -> str:
         sigma = "" if self._sigma is None else ", with sigma"
         unit = f", {self.unit}" if self.unit else ""
-        count = f"{len(self)} point" + ("s" if len(self) > 1 else "")
+        count = f"{self.size} point" + ("s" if self.size > 1 else "")
         first, last = self._shown(self._omega[[0, -1]])
         return f"FrequencyResponse({count}, {first:g} to {last:g} {self.frequency_unit}{unit}{sigma})"
+
+    def _repr_html_(self) -> str:
+        unit = f", {self.unit}" if self.unit else ""
+        shown = self._shown(self._omega)
+        step = max(1, -(-self.size // 12))
+        rows = [(w, z.real, z.imag) for w, z in zip(shown[::step].tolist(), self._response[::step].tolist())]
+        axis = "f, Hz" if self.frequency_unit == "Hz" else "omega, rad/s"
+        return html_table([axis, "Re" + unit, "Im" + unit], rows, repr(self) + (f", every {step}th" if step > 1 else ""))
 
     def _shown(self, omega: np.ndarray) -> np.ndarray:
         """Frequencies in the unit of sentences and pictures."""
@@ -248,7 +331,7 @@ class FrequencyResponse:
         }
 
 
-class TimeSeries:
+class TimeSeries(_Samples):
     """Samples of the input and the output of a system over time.
 
     Parameters
@@ -271,6 +354,7 @@ class TimeSeries:
     TimeSeries(3 samples, 0 to 2 s)
     """
 
+    @named
     def __init__(
         self,
         time: Any,
@@ -322,8 +406,23 @@ class TimeSeries:
     def __iter__(self) -> Iterator[np.ndarray]:
         return iter((self._time, self._output))
 
-    def __len__(self) -> int:
-        return len(self._time)
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self._time.size
+
+    def _columns(self) -> dict[str, Any]:
+        columns = {"time_s": self._time, "input": self._input, "output": self._output}
+        return columns if self._sigma is None else {**columns, "sigma": self._sigma}
+
+    def _head(self) -> Mapping[str, str]:
+        return self.metadata
+
+    def plot(self, *, ax: Any = None, **style: Any) -> Any:
+        """Output over time, with matplotlib."""
+        from .plots import plot_time
+
+        return plot_time(self._time, self._output, ax=ax, **style)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TimeSeries):
@@ -341,7 +440,7 @@ class TimeSeries:
 
     def __repr__(self) -> str:
         sigma = "" if self._sigma is None else ", with sigma"
-        return f"TimeSeries({len(self)} samples, {self._time[0]:g} to {self._time[-1]:g} s{sigma})"
+        return f"TimeSeries({self.size} samples, {self._time[0]:g} to {self._time[-1]:g} s{sigma})"
 
     def _arrays(self) -> dict[str, Any]:
         return {
@@ -362,6 +461,7 @@ def _indices(given: Any, size: int) -> np.ndarray:
     return numbers.astype(np.int64)
 
 
+@named
 def read(
     path: str | os.PathLike[str],
     *,
@@ -456,6 +556,7 @@ def read(
     )
 
 
+@named
 def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]:
     """Names of the curves in a file that holds several, as `read` takes them for ``select``; empty where it holds one.
 

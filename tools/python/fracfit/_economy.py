@@ -8,14 +8,16 @@ from typing import Any, Mapping
 import numpy as np
 
 from ._arrays import complex_array, count, mapping, text
-from ._data import FrequencyResponse
 from ._fit import _described, _fitting
+from ._doors import response_of
 from ._model import _Record
+from ._numbers import EconomyNumbers
 from ._text import html_table
+from ._words import named
 
 
 @_described("Economy")
-class Economy(_Record):
+class Economy(_Record, EconomyNumbers):
     """What each class of models reaches with how many parameters, on data without noise.
 
     A parameter is a number that is adjusted: a coefficient, an order, a place.  Errors are relative, without unit: the
@@ -28,21 +30,21 @@ class Economy(_Record):
     @property
     def needs(self) -> dict[str, tuple[int | None, ...]]:
         """Fewest parameters of each class, by its name, for each of `errors`; None where no number asked for suffices."""
-        return {curve["name"]: tuple(curve["needs"]) for curve in self.curves}  # type: ignore[attr-defined]
+        return {curve["name"]: tuple(curve["needs"]) for curve in self.curves}
 
     def points(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of parameters and errors of a class or curve, as for a picture of one over the other."""
-        for curve in self.curves:  # type: ignore[attr-defined]
+        for curve in self.curves:
             if curve["name"] == name:
                 return np.array([p["parameters"] for p in curve["points"]]), np.array([p["error"] for p in curve["points"]])
         raise KeyError(f"no class {name!r}; there are {', '.join(self.needs)}")
 
     def _table(self) -> tuple[list[str], list[tuple[str, ...]]]:
-        head = ["parameters needed", *(f"to {100 * error:g} %" for error in self.errors)]  # type: ignore[attr-defined]
+        head = ["parameters needed", *(f"to {100 * error:g} %" for error in self.errors)]
         rows = []
-        for curve in self.curves:  # type: ignore[attr-defined]
+        for curve in self.curves:
             given = curve["class"] == "given"
-            none = "never" if given else f"> {self.most_parameters}"  # type: ignore[attr-defined]
+            none = "never" if given else f"> {self.most_parameters}"
             rows.append((curve["name" if given else "description"], *(none if n is None else str(n) for n in curve["needs"])))
         return head, rows
 
@@ -50,15 +52,16 @@ class Economy(_Record):
         head, rows = self._table()
         widths = [max(map(len, column)) for column in zip(head, *rows)]
         lines = ["  ".join(cell.ljust(width) if i == 0 else cell.rjust(width) for i, (cell, width) in enumerate(zip(row, widths))) for row in [head, *rows]]
-        return "\n".join([*lines, self.sentence])  # type: ignore[attr-defined]
+        return "\n".join([*lines, self.sentence])
 
     def _repr_html_(self) -> str:
         head, rows = self._table()
-        return html_table(head, rows, self.sentence)  # type: ignore[attr-defined]
+        return html_table(head, rows, self.sentence)
 
 
+@named
 def economy(
-    data: FrequencyResponse,
+    data: Any,
     *,
     component: str = "both",
     most_parameters: int = 8,
@@ -103,8 +106,7 @@ def economy(
     >>> found.curves[2]["points"][0]["model"]
     '0.3926991 omega^2'
     """
-    if not isinstance(data, FrequencyResponse):
-        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse")
+    data = response_of(data)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     return Economy(
         _fitting.economy(

@@ -3,20 +3,24 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import warnings
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence, Union, overload
 
 import numpy as np
 
-from ._arrays import complex_array, count, mapping, number, pair, real_array, seed_number, text
+from . import _core
+from ._arrays import complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
+from ._doors import data_of, response_of
 from ._model import EXACT, Model, realisation_of, _equal, _Record
+from ._numbers import FitResultNumbers, IdentificationNumbers, SceneIdentificationNumbers, TuningNumbers
+from ._tables import Table
 from ._text import escaped, html_table, reporter, short
+from ._words import meant, named, no_attribute
 
 if TYPE_CHECKING:
     from ._economy import Economy
@@ -59,7 +63,7 @@ def _with_advice(sentence: str, advice: Sequence[tuple[str, list[str]]]) -> str:
 
 
 @_described("FitResult")
-class FitResult:
+class FitResult(Table, FitResultNumbers):
     """A structure fitted to data.
 
     ``result["a"]`` is the value of a parameter, ``result.parameters`` all of them; numbers a fit cannot tell are NaN.
@@ -74,6 +78,8 @@ class FitResult:
         After ``grow``: the structures tried (fits), which was chosen, and the reason why it went no further.
     law : str or None
         Of the model ``"component-power-law"``: what it says, which its formula does not.
+    derived : list of dict
+        The quantities that the option ``derive`` of `fit` asked for, as `derive` gives them.
 
     Examples
     --------
@@ -92,6 +98,7 @@ class FitResult:
         self._given = values
         self._data = data
         self._options = options or {}
+        self.derived: list[dict[str, Any]] = []
 
     @cached_property
     def _values(self) -> dict[str, Any]:
@@ -99,11 +106,11 @@ class FitResult:
         return self._given.as_dict() if isinstance(self._given, _fitting.Fitted) else dict(self._given)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"_given": self._values, "_data": self._data, "_options": self._options}
+        return {"_given": self._values, "_data": self._data, "_options": self._options, "derived": self.derived}
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._values:
-            raise AttributeError(f"a fit result has no attribute {name!r}")
+            raise no_attribute(self, name, () if name.startswith("_") else self._values)
         return self._values[name]
 
     def __dir__(self) -> list[str]:
@@ -155,6 +162,32 @@ class FitResult:
         return np.array(self._values["covariance"], dtype=float)
 
     @property
+    def residuals(self) -> np.ndarray:
+        """Fit minus data at every point, in their unit and without weight; those at `data.omega`, or at the kept samples of `data.time`.
+
+        Points that were left out have theirs too; how many parts the search weighed is `residual_count`.
+
+        Examples
+        --------
+        >>> import fracfit, numpy as np
+        >>> data = fracfit.FrequencyResponse([1.0, 2.0, 4.0], [1.0, 0.7, 0.52j])
+        >>> result = fracfit.fit(data, "K/s^a", outliers="keep")
+        >>> bool(np.allclose(result.residuals, result.predict() - data.response))
+        True
+        """
+        data = self._with_data()
+        if not isinstance(data, TimeSeries):
+            return self.predict() - data.response
+        difference = self.predict() - data.output
+        return difference if data._kept is None else difference[data._kept]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter as it follows from that of the data; empty where it does not, "1" where it has none."""
+        unit = getattr(self._data, "unit", "")
+        return dict(zip(self.parameters, _core.parameter_units(self.formula, unit) + [""] * len(self)))
+
+    @property
     def model(self) -> Model:
         """The formula with the values found."""
         names = Model(self.formula).parameter_names
@@ -177,6 +210,40 @@ class FitResult:
     def deviation(self, omega: Any) -> np.ndarray:
         """Standard deviation of the response of the fitted model: columns real part, imaginary part, ln of the magnitude, phase (rad)."""
         return _fitting.response_deviation(self._values, self._options.get("realisation", EXACT), real_array(omega, "omega"))
+
+    def band(self, omega: Any = None) -> FitBand:
+        """Response of the fit with its interval of 95 % at frequencies (rad/s), by linear propagation of the covariance.
+
+        Examples
+        --------
+        >>> import fracfit, numpy as np
+        >>> noise = np.exp(0.01j * np.arange(20) ** 2)
+        >>> exact = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 20))
+        >>> result = fracfit.fit(fracfit.FrequencyResponse(exact.omega, exact.response * noise), "K/(T s^a + 1)", outliers="keep")
+        >>> band = result.band([1.0])
+        >>> bool(band.re_lower[0] < band.response[0].real < band.re_upper[0])
+        True
+        """
+        data = self._with_data()
+        if isinstance(data, TimeSeries) and omega is None:
+            raise ValueError("a fit over time has a band at frequencies that are given")
+        omega = data.omega if omega is None else np.sort(real_array(omega, "omega"))
+        response = _fitting.fitted_response(self._values, self._options.get("realisation", EXACT), omega)
+        freedom = self._values["residual_count"] - self._values["free_parameters"]
+        half = (_fitting.student_t_95(freedom) if freedom >= 1 else math.nan) * self.deviation(omega)
+        return FitBand(
+            {
+                "omega": omega,
+                "response": response,
+                "re_lower": response.real - half[:, 0],
+                "re_upper": response.real + half[:, 0],
+                "im_lower": response.imag - half[:, 1],
+                "im_upper": response.imag + half[:, 1],
+                "magnitude_lower": np.abs(response) * np.exp(-half[:, 2]),
+                "magnitude_upper": np.abs(response) * np.exp(half[:, 2]),
+                "phase_half_width": half[:, 3],
+            }
+        )
 
     def profile(self, parameter: str) -> tuple[float, float]:
         """Interval of 95 % of a parameter that follows the cost itself; a side without end is infinite.
@@ -221,16 +288,47 @@ class FitResult:
 
         return plot_fit(self, **options)
 
+    def _columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = {"parameter": list(self.parameters), "unit": list(self.units.values())}
+        for key in ("value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"):
+            columns[key] = list(self._each(key).values())
+        return columns
+
+    def _head(self) -> Mapping[str, str]:
+        return {"model": self.formula}
+
+    def points(self) -> FitPoints:
+        """Data, fit and residuals side by side, as a table.
+
+        Examples
+        --------
+        >>> import fracfit, numpy as np
+        >>> data = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 20))
+        >>> fracfit.fit(data, "K/(T s^a + 1)").points().residual.shape
+        (20,)
+        """
+        data = self._with_data()
+        if isinstance(data, TimeSeries):
+            shown = slice(None) if data._kept is None else data._kept
+            return FitPoints({"time": data.time[shown], "output": data.output[shown], "fit": self.predict()[shown], "residual": self.residuals})
+        left_out = np.zeros(data.size, dtype=bool)
+        left_out[self._values.get("left_out", [])] = True
+        return FitPoints({"omega": data.omega, "response": data.response, "fit": self.predict(), "residual": self.residuals, "left_out": left_out})
+
+    def _with_data(self) -> Any:
+        if self._data is None:
+            raise ValueError("this result has no data with it; those of identify() and batch() have them")
+        return self._data
+
     def _each(self, key: str) -> dict[str, Any]:
         return {p["name"]: p[key] for p in self._values["parameters"]}
 
     def _data_arrays(self) -> dict[str, Any]:
-        if self._data is None:
-            raise ValueError("this result has no data with it; those of identify() and batch() have them")
+        data = self._with_data()
         left_out = self._values.get("left_out", [])
         if not left_out:
-            return self._data._arrays()
-        return self._data[np.delete(np.arange(len(self._data)), left_out)]._arrays()
+            return data._arrays()  # type: ignore[no-any-return]
+        return data[np.delete(np.arange(data.size), left_out)]._arrays()  # type: ignore[no-any-return]
 
     def _request(self) -> dict[str, Any]:
         made_with = ("component", "constraints", "global_start", "law")
@@ -239,7 +337,7 @@ class FitResult:
     def __getitem__(self, name: str) -> float:
         values = self.parameters
         if name not in values:
-            raise KeyError(f"the fit has no parameter {name!r}; it has {', '.join(values)}")
+            raise KeyError(f"the fit has no parameter {name!r}; it has {', '.join(values)}") from None
         return values[name]
 
     def __contains__(self, name: object) -> bool:
@@ -263,8 +361,9 @@ class FitResult:
     __hash__ = None  # type: ignore[assignment]
 
     def _rows(self) -> list[tuple[Any, ...]]:
+        units = self.units
         return [
-            (p["name"], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"], _remark(p))
+            (p["name"], "" if units[p["name"]] == "1" else units[p["name"]], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"], _remark(p))
             for p in self._values["parameters"]
         ]
 
@@ -277,12 +376,86 @@ class FitResult:
         return self.summary() + f"\nleft out: {name} = {at} {self._data.frequency_unit}"
 
     def _repr_html_(self) -> str:
-        head = ["parameter", "value", "standard error", "from", "to (95 %)", ""]
-        return html_table(head, self._rows(), self.formula) + f"<p>{escaped(self.message)}</p>"
+        head = ["parameter", "unit", "value", "standard error", "from", "to (95 %)", ""]
+        rows = [*self._rows(), *((d["name"], "", d["value"], d["standard_error"], d["ci95_lower"], d["ci95_upper"], d["formula"]) for d in self.derived)]
+        headline = f"{self.formula}: rms {short(self.rms)} over {self.residual_count} residuals"
+        return html_table(head, rows, headline) + f"<p>{escaped(self.message)}</p>"
 
 
+class FitPoints(_Record, Table):
+    """Data, fit and residuals side by side.
+
+    Attributes
+    ----------
+    omega, response : ndarray
+        rad/s, and the data; over time `time` (s) and `output`.
+    fit, residual : ndarray
+        Values of the fit, and fit minus data.
+    left_out : ndarray of bool
+        Points that were not fitted.
+    """
+
+    omega: np.ndarray
+    response: np.ndarray
+    time: np.ndarray
+    output: np.ndarray
+    fit: np.ndarray
+    residual: np.ndarray
+    left_out: np.ndarray
+
+    def _columns(self) -> dict[str, Any]:
+        if "time" in self.__dict__:
+            return {"time_s": self.time, "output": self.output, "fit": self.fit, "residual": self.residual}
+        columns: dict[str, Any] = {"omega_rad_s": self.omega}
+        for name, values in (("", self.response), ("fit_", self.fit), ("residual_", self.residual)):
+            columns[name + "re"], columns[name + "im"] = values.real, values.imag
+        return {**columns, "left_out": self.left_out}
+
+
+class FitBand(_Record, Table):
+    """Response of a fit with its interval of 95 %.
+
+    Attributes
+    ----------
+    omega, response : ndarray
+        rad/s, and the values of the fit.
+    re_lower, re_upper, im_lower, im_upper, magnitude_lower, magnitude_upper : ndarray
+        Ends of the intervals of the parts.
+    phase_half_width : ndarray
+        Half of that of the phase, rad.
+    """
+
+    omega: np.ndarray
+    response: np.ndarray
+    re_lower: np.ndarray
+    re_upper: np.ndarray
+    im_lower: np.ndarray
+    im_upper: np.ndarray
+    magnitude_lower: np.ndarray
+    magnitude_upper: np.ndarray
+    phase_half_width: np.ndarray
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "omega_rad_s": self.omega,
+            "re": self.response.real,
+            "im": self.response.imag,
+            "re_ci95_lower": self.re_lower,
+            "re_ci95_upper": self.re_upper,
+            "im_ci95_lower": self.im_lower,
+            "im_ci95_upper": self.im_upper,
+        }
+
+
+# What is known of parameters: values by name, or the texts of the command line, "K=2".
+Known = Union[Mapping[str, float], str, Sequence[str], None]
+Limits = Union[Mapping[str, Union["tuple[float | None, float | None]", str]], str, Sequence[str], None]
+Priors = Union[Mapping[str, Union[str, "tuple[float, float]"]], str, Sequence[str], None]
+
+
+@overload
 def fit(
-    data: FrequencyResponse | TimeSeries,
+    data: Any,
     model: Model | str | None = None,
     *,
     grow: str | None = None,
@@ -290,11 +463,12 @@ def fit(
     weight: str = "learned",
     loss: str = "none",
     outliers: str = "leave-out",
-    fixed: Mapping[str, float] | None = None,
-    bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
-    start: Mapping[str, float] | None = None,
-    prior: Mapping[str, str | tuple[float, float]] | None = None,
+    fixed: Known = None,
+    bounds: Limits = None,
+    start: Known = None,
+    prior: Priors = None,
     constraint: str | Sequence[str] = (),
+    derive: str | Sequence[str] = (),
     realisation: Mapping[str, Any] | None = None,
     noise_floor: float | None = None,
     loss_scale: float | None = None,
@@ -303,13 +477,77 @@ def fit(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    fix: Known = None,
+    bound: Limits = None,
+) -> FitResult: ...
+
+
+@overload
+def fit(
+    data: Any,
+    values: Any,
+    model: Model | str | None = None,
+    /,
+    *,
+    grow: str | None = None,
+    component: str = "both",
+    weight: str = "learned",
+    loss: str = "none",
+    outliers: str = "leave-out",
+    fixed: Known = None,
+    bounds: Limits = None,
+    start: Known = None,
+    prior: Priors = None,
+    constraint: str | Sequence[str] = (),
+    derive: str | Sequence[str] = (),
+    realisation: Mapping[str, Any] | None = None,
+    noise_floor: float | None = None,
+    loss_scale: float | None = None,
+    seed: int = 1,
+    global_start: bool = True,
+    offset: float | None = None,
+    trend: bool = False,
+    earlier_input: bool = False,
+    fix: Known = None,
+    bound: Limits = None,
+) -> FitResult: ...
+
+
+@named
+def fit(  # type: ignore[misc]
+    data: Any,
+    model: Any = None,
+    structure: Model | str | None = None,
+    *,
+    grow: str | None = None,
+    component: str = "both",
+    weight: str = "learned",
+    loss: str = "none",
+    outliers: str = "leave-out",
+    fixed: Known = None,
+    bounds: Limits = None,
+    start: Known = None,
+    prior: Priors = None,
+    constraint: str | Sequence[str] = (),
+    derive: str | Sequence[str] = (),
+    realisation: Mapping[str, Any] | None = None,
+    noise_floor: float | None = None,
+    loss_scale: float | None = None,
+    seed: int = 1,
+    global_start: bool = True,
+    offset: float | None = None,
+    trend: bool = False,
+    earlier_input: bool = False,
+    fix: Known = None,
+    bound: Limits = None,
 ) -> FitResult:
     """Fits the parameters of a structure to a frequency response, or to samples of input and output over time.
 
     Parameters
     ----------
-    data : FrequencyResponse or TimeSeries
-        What is fitted.
+    data : FrequencyResponse, TimeSeries, or the like
+        What is fitted.  Two arrays in place of it, ``fit(f, Z, model)``, are frequencies in Hz and complex values; tables with
+        named columns (pandas, a dict of arrays), arrays of xarray and responses of python-control are understood too.
     model : Model or str
         A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``; or
         ``"component-power-law"``, K omega^b as one part of a response by itself, which no transfer function has.
@@ -326,12 +564,15 @@ def fit(
         What becomes of points of a response that contradict their neighbours on both sides; a warning names them.  A
         robust loss keeps them.
     fixed, bounds, start : mapping, optional
-        What is known of parameters beforehand; ``bounds={"K": (None, None)}`` lifts the limits of K.
+        What is known of parameters beforehand; ``bounds={"K": (None, None)}`` lifts the limits of K.  Texts of the command line
+        do too, ``bounds="K=0:5"`` or a list of them, and so do its names ``fix`` and ``bound``.
     prior : mapping, optional
         What is known beside a frequency response, as normal distributions: ``{"n1": (0.9, 0.05), "R0": "0.1+-5%"}``,
         value and standard deviation, or a text with a share of the value for a deviation of the logarithm.
     constraint : str or sequence of str
         Parameters of one kind in rising order, ``"Q1<Q2"``.
+    derive : str or sequence of str
+        Quantities computed from the parameters, ``"f1 = (R1 Q1)^(-1/n1)/(2 pi)"``: ``result.derived`` has them with intervals.
     realisation : mapping, optional
         What stands for the powers of s, see `Model.frequency_response`.
     seed : int
@@ -357,8 +598,16 @@ def fit(
     >>> fracfit.fit(data, "K/(T s^a + 1)", fixed={"K": 2}).standard_errors["K"]
     0.0
     """
+    if structure is not None or _is_values(model):
+        data, model = data_of(data, model), structure
+    else:
+        data = data_of(data)
     if (model is None) == (grow is None):
-        raise ValueError("give either model, the structure, or grow, the family to grow it in")
+        raise ValueError(
+            "give either model, the structure, or grow, the family to grow it in"
+            + ("; presets() lists models by name" if model is None else "")
+        )
+    fixed, bounds = _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound")
     if grow is not None and (prior or constraint):
         raise ValueError("prior and constraint do not go with grow, whose parameters the data choose")
     name, starts = ("", {}) if model is None else _structure(model, of_one_part=True)
@@ -379,13 +628,29 @@ def fit(
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
     _refuse_idle(data, options, fit)
+    definitions = texts(derive, "derive")
     if isinstance(data, TimeSeries):
-        return FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
-    if not isinstance(data, FrequencyResponse):
-        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
-    found = _fitting.fit_spectrum(data._arrays(), name, options)
-    _warn(found.notes())
-    return FitResult(found, data, options)
+        result = FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
+    else:
+        found = _fitting.fit_spectrum(data._arrays(), name, options)
+        _warn(found.notes(), 4)
+        result = FitResult(found, data, options)
+    for definition in definitions:
+        result.derived.append(result.derive(definition))
+    return result
+
+
+def _is_values(given: Any) -> bool:
+    """Whether the second argument is an array, and the first one its frequencies."""
+    return given is not None and not isinstance(given, (str, Model)) and (hasattr(given, "__array__") or isinstance(given, (list, tuple)))
+
+
+def _one_of(given: Any, by_command_line: Any, name: str, other: str) -> Any:
+    if by_command_line is None:
+        return given
+    if given is not None:
+        raise ValueError(f"{name} and {other} are the same; give one of them")
+    return by_command_line
 
 
 # Options that mean something for one kind of data alone.
@@ -404,7 +669,7 @@ def _refuse_idle(data: Any, options: Mapping[str, Any], function: Any) -> None:
             raise ValueError(f"{name} = {options[name]!r} has no meaning with {kind}")
 
 
-class BatchResult(Sequence[Any]):
+class BatchResult(Sequence[Any], Table):
     """Fits of one structure to many data; a list of `FitResult`, with None where there is none.
 
     Attributes
@@ -422,19 +687,19 @@ class BatchResult(Sequence[Any]):
     @property
     def parameters(self) -> dict[str, np.ndarray]:
         """Values of each parameter over all data, NaN where there is none."""
-        return self._columns("parameters")
+        return self._over_data("parameters")
 
     @property
     def standard_errors(self) -> dict[str, np.ndarray]:
         """Standard errors likewise."""
-        return self._columns("standard_errors")
+        return self._over_data("standard_errors")
 
     @property
     def usable(self) -> np.ndarray:
         """Which fits converged."""
         return np.array([result is not None and result.usable for result in self.results])
 
-    def _columns(self, attribute: str) -> dict[str, np.ndarray]:
+    def _over_data(self, attribute: str) -> dict[str, np.ndarray]:
         columns: dict[str, np.ndarray] = {}
         for i, result in enumerate(self.results):
             for name, value in (getattr(result, attribute) if result is not None else {}).items():
@@ -447,6 +712,13 @@ class BatchResult(Sequence[Any]):
     def __len__(self) -> int:
         return len(self.results)
 
+    def _columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = {"index": np.arange(len(self))}
+        errors = self.standard_errors
+        for name, values in self.parameters.items():
+            columns[name], columns[f"{name}_standard_error"] = values, errors[name]
+        return {**columns, "usable": self.usable}
+
     def __repr__(self) -> str:
         return f"BatchResult({len(self)} fits, {int(self.usable.sum())} usable, {len(self.errors)} without a result)"
 
@@ -456,6 +728,7 @@ class BatchResult(Sequence[Any]):
         return html_table(["", *columns], rows, repr(self))
 
 
+@named
 def batch(
     data: Sequence[FrequencyResponse],
     model: Model | str,
@@ -494,9 +767,12 @@ def batch(
     known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
     beforehand = ("fixed", "bounds", "start", "prior", "constraint")
     request: dict[str, Any] = {"realisation": EXACT}
+    for name_here, name_there in (("fixed", "fix"), ("bounds", "bound")):
+        if name_there in options:
+            options[name_here] = _one_of(options.get(name_here), options.pop(name_there), name_here, name_there)
     for key, value in options.items():
         if key not in (*known, *beforehand):
-            raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, {', '.join(beforehand[:-1])} or {beforehand[-1]}")
+            raise TypeError(f"batch() has no argument {key!r}{meant(key, (*known, *beforehand))}; as of fit it takes {', '.join((*known, *beforehand))}")
         request[key] = realisation_of(value) if key == "realisation" else value
     request.update(_known(starts, *(options.get(key) for key in beforehand)))
     found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
@@ -506,7 +782,7 @@ def batch(
 
 
 @_described("Identification")
-class Identification(_Record):
+class Identification(_Record, IdentificationNumbers, Table):
     """Structures ranked on the same data, and what the data say of fractional orders.
 
     Attributes
@@ -529,10 +805,29 @@ class Identification(_Record):
     usable : bool
     """
 
+    chosen: int
+    summary: str
+    usable: bool
+    next_measurement: tuple[float, float, int] | None
+    next_accuracy: float | None
+    next_evidence: float | None
+    advice: list[tuple[str, list[str]]]
+    left_out: list[int]
+    component: str | None
+    without_noise: bool
+    _of: dict[str, Any]
+    _economy: Economy
+
     @property
     def best(self) -> FitResult:
         """The chosen fit."""
-        return self.ranking[self.chosen]["fit"]  # type: ignore[attr-defined]
+        return self.ranking[self.chosen]["fit"]  # type: ignore[no-any-return]
+
+    def _columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = {"model": [each["name"] for each in self.ranking]}
+        for name in ("model_class", "delta_aicc", "akaike_weight", "adequate"):
+            columns[name] = [each[name] for each in self.ranking]
+        return {**columns, "free_parameters": [each["fit"].free_parameters for each in self.ranking], "rms": [each["fit"].rms for each in self.ranking]}
 
     @property
     def economy(self) -> Economy | None:
@@ -545,27 +840,28 @@ class Identification(_Record):
         ValueError
             The component that was fitted is none of both, imaginary and real, or is 0 at a point.
         """
-        if not self.without_noise:  # type: ignore[attr-defined]
+        if not self.without_noise:
             return None
         if not hasattr(self, "_economy"):
             from ._economy import economy
 
-            self._economy = economy(**self._of)  # type: ignore[attr-defined]
+            self._economy = economy(**self._of)
         return self._economy
 
     def __repr__(self) -> str:
-        if not self.without_noise:  # type: ignore[attr-defined]
-            return self.summary  # type: ignore[attr-defined, no-any-return]
-        return self.summary + "\nThese data carry no noise: how many parameters buy which error is said by `economy`."  # type: ignore[attr-defined]
+        if not self.without_noise:
+            return self.summary
+        return self.summary + "\nThese data carry no noise: how many parameters buy which error is said by `economy`."
 
     def _repr_html_(self) -> str:
         rows = []
-        for i, each in enumerate(self.ranking):  # type: ignore[attr-defined]
-            remark = "chosen" if i == self.chosen else "" if each["adequate"] else "misses the data"  # type: ignore[attr-defined]
+        for i, each in enumerate(self.ranking):
+            remark = "chosen" if i == self.chosen else "" if each["adequate"] else "misses the data"
             rows.append((each["name"], each["model_class"], each["delta_aicc"], each["akaike_weight"], each["fit"].rms, remark))
-        return html_table(["model", "class", "delta AICc", "weight", "rms", ""], rows, self.verdict_sentence)  # type: ignore[attr-defined]
+        return html_table(["model", "class", "delta AICc", "weight", "rms", ""], rows, self.verdict_sentence)
 
 
+@named
 def identify(
     data: FrequencyResponse | TimeSeries,
     models: Sequence[Model | str] = (),
@@ -602,8 +898,7 @@ def identify(
     >>> fracfit.identify(data, ["fractional-lag", "lag"]).ranking[0]["name"]
     'fractional-lag'
     """
-    if not isinstance(data, (FrequencyResponse, TimeSeries)):
-        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
+    data = data_of(data)
     names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,
@@ -619,7 +914,7 @@ def identify(
     _refuse_idle(data, options, identify)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
-    _warn(found.pop("notes"))
+    _warn(found.pop("notes"), 4)
     for each in ("verdict_sentence", "summary"):
         found[each] = _with_advice(found[each], found["advice"])
     for each in found["ranking"]:
@@ -630,7 +925,7 @@ def identify(
         each["fit"]["global_start"] = not each["from_family"]
         each["fit"] = FitResult(each["fit"], data, options)
     if isinstance(data, FrequencyResponse):
-        kept = np.delete(np.arange(len(data)), found["left_out"])
+        kept = np.delete(np.arange(data.size), found["left_out"])
         found["without_noise"] = found["without_noise"] or data.is_computed
         found["_of"] = {
             "data": data[kept],
@@ -641,25 +936,40 @@ def identify(
     return Identification(found)
 
 
-class Tuning(_Record):
+@_described("Tuning")
+class Tuning(_Record, TuningNumbers):
     """A controller found for a plant: gains kp, ki, kd, orders lambda_ and mu, and what its loop reaches.
 
     Attributes
     ----------
     usable : bool
-        The closed loop is stable and the whole specification kept.
+        The closed loop is stable and the whole specification kept, for a fit by all plants that its data leave possible.
     specification : list of tuple
         Name, asked, reached, met.
-    phase_margin, phase_slope : float
-        rad, rad per e-fold.
-    crossover, gain_margin, max_sensitivity, max_complementary_sensitivity, iae, itae : float
-        Of the loop with the plant: frequencies in rad/s, and integrals of the error.
+    controller : str
+        Its formula.
+    region : dict
+        For a fit the worst of the plants of its joint 95 % region: plants, not_stable, max_sensitivity,
+        max_complementary_sensitivity, least_phase_margin, lowest_crossover, highest_crossover, status and message.
+    motion, motion_regardless, regardless, constraints
+        With a clearance the motion that persists (swing in m, omega, verified, cycles, simulations), that with the controller
+        which regards no clearance, that controller, and what holds the answer where it is.
     """
+
+    usable: bool
+    summary: str
+    specification: list[tuple[str, float, float, bool]]
+    controller: str
+    region: dict[str, Any]
+    motion: dict[str, Any]
+    motion_regardless: dict[str, Any]
+    regardless: dict[str, Any]
+    constraints: list[dict[str, Any]]
 
     @property
     def model(self) -> Model:
         """The controller as a transfer function."""
-        return Model(self.controller)  # type: ignore[attr-defined]
+        return Model(self.controller)
 
     def pid(self, sample_time: float, band: tuple[float, float] | None = None, **options: Any) -> FractionalPid:
         """The controller as it runs in a loop; options as of `FractionalPid`."""
@@ -667,11 +977,17 @@ class Tuning(_Record):
         return FractionalPid(**gains, sample_time=sample_time, band=band, **options)
 
     def __repr__(self) -> str:
-        return self.summary  # type: ignore[attr-defined, no-any-return]
+        return self.summary
+
+    def _repr_html_(self) -> str:
+        rows = [(name, asked, reached, "yes" if met else "no") for name, asked, reached, met in self.specification]
+        gains = ", ".join(f"{name} = {short(getattr(self, name))}" for name in ("kp", "ki", "kd", "lambda_", "mu"))
+        return html_table(["asked for", "value", "reached", "kept"], rows, gains) + f"<p>{escaped(self.message)}</p>"
 
 
+@named
 def tune(
-    plant: Model | str,
+    plant: Model | FitResult | str | None = None,
     *,
     crossover: float | None = None,
     phase_margin: float | None = None,
@@ -688,13 +1004,21 @@ def tune(
     load_step: bool = False,
     horizon: float = 0.0,
     seed: int = 1,
+    clearance: float | None = None,
+    restitution: float | None = None,
+    mass1: float | None = None,
+    mass2: float | None = None,
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
+    body: str = "x1",
 ) -> Tuning:
     """Gains and orders of a fractional PID for a plant.
 
     Parameters
     ----------
-    plant : Model or str
-        A model, or its formula.
+    plant : Model, FitResult or str
+        A model, or its formula; of a fit all plants of the joint 95 % region of its parameters keep the bounds on ``|S|`` and ``|T|``.
+        Left out where `clearance` makes the plant two bodies with backlash.
     crossover : float, optional
         rad/s where ``|L| = 1``.
     phase_margin : float, optional
@@ -711,6 +1035,8 @@ def tune(
         Orders, held or within a range.
     minimise : {"sensitivity", "iae", "itae"}
         The integrals are of a step response of length `horizon` (s).
+    clearance, restitution, mass1, mass2, load_receptance, drive_receptance, body
+        Two bodies with backlash, as of `limit_cycles`: no motion is to persist, or the smallest.
 
     Examples
     --------
@@ -719,7 +1045,22 @@ def tune(
     >>> found.usable, round(math.degrees(found.phase_margin), 6)
     (True, 60.0)
     """
-    model = plant if isinstance(plant, Model) else Model(plant)
+    if (plant is None) == (clearance is None):
+        raise ValueError("give either plant, a model or a fit, or clearance, of two bodies that are the plant")
+    if clearance is None:
+        of_bodies = {
+            "restitution": restitution,
+            "mass1": mass1,
+            "mass2": mass2,
+            "load_receptance": load_receptance,
+            "drive_receptance": drive_receptance,
+            "body": None if body == "x1" else body,
+        }
+        for name, value in of_bodies.items():
+            if value is not None:
+                raise ValueError(f"{name} has no meaning without clearance, of two bodies that are the plant")
+    elif restitution is None:
+        raise ValueError("restitution has no value; it is needed with clearance")
     specification = {
         "crossover": None if crossover is None else number(crossover, "crossover"),
         "phase_margin": None if phase_margin is None else number(phase_margin, "phase_margin"),
@@ -739,11 +1080,21 @@ def tune(
         "horizon": number(horizon, "horizon"),
         "seed": seed_number(seed),
     }
+    if clearance is not None:
+        from ._backlash import _bodies
+
+        bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
+        return Tuning(_fitting.tune_with_backlash(bodies, specification, options))
+    if isinstance(plant, (FrequencyResponse, TimeSeries)):
+        raise ValueError(f"plant is of the type {type(plant).__name__}; fit a model to it, and give the result: its region is kept in mind")
+    if isinstance(plant, FitResult):
+        return Tuning(_fitting.tune_for_region(plant._values, specification, options))
+    model = plant if isinstance(plant, Model) else Model(plant)
     return Tuning(_fitting.tune(model._tf, specification, options))
 
 
 @_described("SceneIdentification")
-class SceneIdentification(_Record):
+class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
     """Masses, clearance and restitution from measured describing functions.
 
     Attributes
@@ -753,34 +1104,47 @@ class SceneIdentification(_Record):
     usable : bool
     """
 
+    curve: np.ndarray
+    omega: np.ndarray
+    used: np.ndarray
+    response: np.ndarray
+    usable: bool
+
+    def _columns(self) -> dict[str, Any]:
+        names = ("name", "unit", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed")
+        return {name: [each[name] for each in (*self.parameters, *self.combinations)] for name in names}
+
     def __getitem__(self, name: str) -> float:
-        for each in (*self.parameters, *self.combinations):  # type: ignore[attr-defined]
+        for each in (*self.parameters, *self.combinations):
             if each["name"] == name:
                 return each["value"]
         raise KeyError(f"a scene has no quantity {name}")
 
     def __repr__(self) -> str:
-        lines = [f"  {each['name']} = {short(each['value'])} {each['unit']} +- {short(each['standard_error'])}" for each in self.parameters]  # type: ignore[attr-defined]
-        return "\n".join(["SceneIdentification:", *lines, *self.free_directions, self.message])  # type: ignore[attr-defined]
+        lines = [f"  {each['name']} = {short(each['value'])} {each['unit']} +- {short(each['standard_error'])}" for each in self.parameters]
+        return "\n".join(["SceneIdentification:", *lines, *self.free_directions, self.message])
 
     def _repr_html_(self) -> str:
         rows = [
             (each["name"], each["unit"], each["value"], each["standard_error"], each["ci95_lower"], each["ci95_upper"])
-            for each in (*self.parameters, *self.combinations)  # type: ignore[attr-defined]
+            for each in (*self.parameters, *self.combinations)
         ]
-        return html_table(["", "unit", "value", "standard error", "from", "to (95 %)"], rows, self.message)  # type: ignore[attr-defined]
+        return html_table(["", "unit", "value", "standard error", "from", "to (95 %)"], rows, self.message)
 
 
+@named
 def identify_scene(
     curves: Sequence[FrequencyResponse],
     force: Any,
     *,
-    fixed: Mapping[str, float] | None = None,
-    bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
+    fixed: Known = None,
+    bounds: Limits = None,
     body: str = "x1",
     component: str = "both",
     weight: str = "relative",
     threads: int = 0,
+    fix: Known = None,
+    bound: Limits = None,
 ) -> SceneIdentification:
     """Estimates masses, clearance and restitution from describing functions of two masses with backlash.
 
@@ -813,7 +1177,7 @@ def identify_scene(
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
     request = {
-        **_known({}, fixed, bounds, None, None, ()),
+        **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
         "body": text(body, "body"),
         "component": text(component, "component"),
         "weight": text(weight, "weight"),
@@ -913,18 +1277,14 @@ def presets() -> dict[str, str]:
 
 
 def _curves(given: Any) -> list[FrequencyResponse]:
-    if not isinstance(given, Iterable) or isinstance(given, FrequencyResponse):
+    if not isinstance(given, Iterable) or isinstance(given, (FrequencyResponse, str, Mapping)) or hasattr(given, "columns"):
         raise ValueError(f"data are of the type {type(given).__name__}; expected a sequence of FrequencyResponse")
-    curves = list(given)
-    for i, curve in enumerate(curves):
-        if not isinstance(curve, FrequencyResponse):
-            raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
-    return curves
+    return [response_of(curve, name=f"data[{i}]") for i, curve in enumerate(given)]
 
 
-def _warn(notes: Sequence[str]) -> None:
+def _warn(notes: Sequence[str], level: int = 3) -> None:
     for note in notes:
-        warnings.warn(note, stacklevel=3)
+        warnings.warn(note, stacklevel=level)
 
 
 # Formulas of one parameter, which nobody means.
@@ -938,23 +1298,40 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
     if isinstance(model, Model):
         return model.formula, model.parameters
     if not isinstance(model, str):
-        raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
+        raise ValueError(
+            f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset; Model(system) is that of another package"
+        )
     if not _WORD.fullmatch(model):
         return model, {}
     if model == _LAW_OF_ONE_PART and not of_one_part:
         raise ValueError(f"model {model!r} is one of fit and batch, which fit one part of a response by itself")
     known = [*presets(), "rational", "commensurate", "terms", _LAW_OF_ONE_PART]
     if model not in known:
-        near = difflib.get_close_matches(model.replace("_", "-"), known, 1)
-        raise ValueError(
-            f"model {model!r} is neither a preset nor a formula of s"
-            + (f" (did you mean {near[0]}?)" if near else "")
-            + "; presets() lists the names"
-        )
+        raise ValueError(f"model {model!r} is neither a preset nor a formula of s{meant(model.replace('_', '-'), known)}; presets() lists the names")
     return model, {}
 
 
+def _by_name(given: Any, what: str, expected: str) -> Any:
+    """Texts of the command line, NAME=VALUE, as a mapping."""
+    if isinstance(given, Mapping) or not given:
+        return given
+    texts = [given] if isinstance(given, str) else given
+    if not isinstance(texts, (list, tuple)) or not all(isinstance(each, str) for each in texts):
+        return given
+    found: dict[str, Any] = {}
+    for each in texts:
+        name, equals, value = (part.strip() for part in each.partition("="))
+        if not equals or not name or not value:
+            raise ValueError(f"{what} is {each!r}; expected a mapping by name, or a text {expected}")
+        if name in found:
+            raise ValueError(f"{what} has {name} twice")
+        found[name] = value
+    return found
+
+
 def _known(starts: Mapping[str, float], fixed: Any, bounds: Any, start: Any, prior: Any, constraint: Any) -> dict[str, Any]:
+    fixed, start = _by_name(fixed, "fixed", "NAME=VALUE"), _by_name(start, "start", "NAME=VALUE")
+    bounds, prior = _by_name(bounds, "bounds", "NAME=LOW:HIGH"), _by_name(prior, "prior", "NAME=VALUE+-DEVIATION")
     both = set(start) & set(fixed) if start and fixed else ()
     if both:
         raise ValueError(f"parameter {sorted(both)[0]} is fixed, so it takes no start")
@@ -993,13 +1370,24 @@ def _chains(given: Any) -> list[list[str]]:
 def _numbers(given: Mapping[str, float] | None, what: str) -> dict[str, float]:
     if not given:
         return {}
-    return {name: value if type(value) is float else number(value, f"{what} {name}") for name, value in mapping(given, what).items()}
+    return {name: value if type(value) is float else _value(value, f"{what} {name}") for name, value in mapping(given, what).items()}
 
 
-def _ranges(given: Mapping[str, tuple[float | None, float | None]]) -> dict[str, tuple[float | None, float | None]]:
+def _value(given: Any, what: str) -> float:
+    if not isinstance(given, str):
+        return number(given, what)
+    try:
+        return float(given)
+    except ValueError:
+        raise ValueError(f"{what} is {given!r}; expected a number") from None
+
+
+def _ranges(given: Any) -> dict[str, tuple[float | None, float | None]]:
     ranges = {}
     for name, limits in mapping(given, "bounds").items():
         try:
+            if isinstance(limits, str):
+                limits = [None if not end.strip() else _value(end, f"bounds {name}") for end in limits.split(":")]
             lower, upper = limits
         except (TypeError, ValueError):
             raise ValueError(f"bounds of {name} are {limits!r}; expected (lower, upper), None where there is none") from None

@@ -12,7 +12,9 @@ import numpy as np
 from . import _core
 from ._arrays import complex_array, count, mapping, number, pair, real_array, text
 from ._data import FrequencyResponse, TimeSeries
+from ._tables import Table
 from ._text import escaped, html_table, short
+from ._words import named, no_attribute
 
 EXACT = {"name": "exact"}
 _REALISATION = {"name": text, "band": pair, "poles": count, "sample_time": number, "memory": count}
@@ -41,6 +43,12 @@ class _Record:
         return _equal(self._values(), other._values())
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __getattr__(self, name: str) -> Any:
+        raise no_attribute(self, name, self.__dict__)
+
+    def __dir__(self) -> list[str]:
+        return sorted(name for name in {*super().__dir__(), *self.__dict__} if not name.startswith("_") or name.startswith("__"))
 
     def _values(self) -> dict[str, Any]:
         # Names with an underscore are of what a result was made from, and of what was worked out later.
@@ -72,6 +80,14 @@ class Stability(_Record):
         Why it is undetermined, else empty.
     """
 
+    stability: str
+    poles: np.ndarray
+    multiplicity: np.ndarray
+    cancelled: np.ndarray
+    commensurate_order: float | None
+    remark: str
+    summary: str
+
 
 class Margins(_Record):
     """Margins of a loop.
@@ -91,6 +107,14 @@ class Margins(_Record):
     remark : str
     """
 
+    gain_margin: float
+    gain_reduction: float
+    phase_margin: float
+    delay_margin: float
+    phase_crossovers: np.ndarray
+    gain_crossovers: np.ndarray
+    remark: str
+
 
 class Realisation(_Record):
     """State space that stands for a model on a band; ``realisation.ss`` goes into `scipy.signal` and python-control.
@@ -107,28 +131,69 @@ class Realisation(_Record):
         The tolerance is kept.
     """
 
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    delay: float
+    method: str
+    stable: bool
+    max_relative_error: float
+    omega_at_maximum: float
+    usable: bool
+    message: str
+    summary: str
+
     @property
     def ss(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """(A, B, C, D)."""
-        return self.A, self.B, self.C, self.D  # type: ignore[attr-defined]
+        return self.A, self.B, self.C, self.D
+
+    def control(self) -> Any:
+        """The system as one of python-control; its dead time is not in it, see `delay`."""
+        return _control().ss(*self.ss)
+
+    def scipy(self) -> Any:
+        """The system as one of `scipy.signal`; its dead time is not in it, see `delay`."""
+        return _scipy_signal().StateSpace(*self.ss)
 
 
 class Approximation(_Record):
     """Zeros, poles and gain that stand for a power of s on a band: ``gain s^integer_order prod(s - z)/prod(s - p)``."""
 
+    zeros: np.ndarray
+    poles: np.ndarray
+    gain: float
+    integer_order: int
+    max_relative_error: float
+    omega_at_maximum: float
+    max_decibels: float
+    max_degrees: float
+    usable: bool
+    message: str
+    summary: str
+
     @property
     def zpk(self) -> tuple[np.ndarray, np.ndarray, float]:
         """(zeros, poles, gain) with the whole power of s as roots at 0, as `scipy.signal` takes them."""
-        at_zero = np.zeros(abs(self.integer_order))  # type: ignore[attr-defined]
-        zeros, poles = self.zeros, self.poles  # type: ignore[attr-defined]
-        if self.integer_order > 0:  # type: ignore[attr-defined]
+        at_zero = np.zeros(abs(self.integer_order))
+        zeros, poles = self.zeros, self.poles
+        if self.integer_order > 0:
             zeros = np.concatenate([zeros, at_zero])
         else:
             poles = np.concatenate([poles, at_zero])
-        return zeros, poles, self.gain  # type: ignore[attr-defined]
+        return zeros, poles, self.gain
+
+    def control(self) -> Any:
+        """The approximation as a system of python-control."""
+        return _control().zpk(*self.zpk)
+
+    def scipy(self) -> Any:
+        """The approximation as a system of `scipy.signal`."""
+        return _scipy_signal().ZerosPolesGain(*self.zpk)
 
 
-class TimeResponse(_Record):
+class TimeResponse(_Record, Table):
     """Answer of a model over time; ``t, y = response`` takes it apart.
 
     Attributes
@@ -141,8 +206,24 @@ class TimeResponse(_Record):
     meets_tolerance : bool
     """
 
+    time: np.ndarray
+    output: np.ndarray
+    method: str
+    error_estimate: float
+    meets_tolerance: bool
+    summary: str
+
+    def _columns(self) -> dict[str, Any]:
+        return {"time_s": self.time, "output": self.output}
+
     def __iter__(self) -> Iterator[np.ndarray]:
-        return iter((self.time, self.output))  # type: ignore[attr-defined]
+        return iter((self.time, self.output))
+
+    def plot(self, *, ax: Any = None, **style: Any) -> Any:
+        """Output over time, with matplotlib."""
+        from .plots import plot_time
+
+        return plot_time(self.time, self.output, ax=ax, **style)
 
 
 class Model:
@@ -153,6 +234,8 @@ class Model:
     formula : str
         Numbers, names, s, ``+ - * / ^``, parentheses, products by juxtaposition, exp, log, sqrt, sinh, cosh, tanh, coth,
         sech.  ``exp(-L s)`` is a dead time.
+        Or a system of python-control or scipy.signal, or what the latter takes for one: (numerator, denominator),
+        (zeros, poles, gain) or (A, B, C, D).
     **parameters : float
         Values of its parameters.  Those left out have to be fitted first; in a fit the others start there.
 
@@ -177,12 +260,20 @@ class Model:
     True
     """
 
-    def __init__(self, formula: str | Model, **parameters: float) -> None:
+    def __init__(self, formula: str | Model | Any, **parameters: float) -> None:
         if isinstance(formula, Model):
             parameters = {**formula.parameters, **parameters}
             formula = formula.formula
         if not isinstance(formula, str):
-            raise ValueError(f"formula is of the type {type(formula).__name__}; expected a text such as 'K/(T s^a + 1)'")
+            from ._doors import formula_of
+
+            found = formula_of(formula)
+            if found is None:
+                raise ValueError(
+                    f"formula is of the type {type(formula).__name__}; expected a text such as 'K/(T s^a + 1)', or a system of "
+                    "python-control or scipy.signal"
+                )
+            formula = found
         self._structure = _core.Structure(formula)
         self._transfer_function: Any = None
         names = self._structure.parameter_names
@@ -482,6 +573,43 @@ class Model:
         """The same function of s with fewer terms where it has them."""
         return _model_of(self._tf.simplified())
 
+    def _polynomials(self) -> tuple[list[float], list[float]]:
+        """Numerator and denominator in falling whole powers of s."""
+        if self.delay or any(order != round(order) or order < 0 for _, order in (*self.numerator, *self.denominator)):
+            what = f"the dead time {self.delay:g} s" if self.delay else "powers of s that are not whole"
+            raise ValueError(f"{self.formula} has {what}; a system of that package has none: realise(band, tolerance) makes one on a band")
+
+        def dense(terms: list[tuple[float, float]]) -> list[float]:
+            coefficients = [0.0] * (round(terms[0][1]) + 1)
+            for coefficient, order in terms:
+                coefficients[len(coefficients) - 1 - round(order)] = coefficient
+            return coefficients
+
+        return dense(self.numerator), dense(self.denominator)
+
+    def control(self) -> Any:
+        """The model as a system of python-control, where its powers of s are whole; else see `realise`.
+
+        Raises
+        ------
+        ValueError
+            A power of s is not whole, or there is a dead time.
+        """
+        numerator, denominator = self._polynomials()
+        return _control().tf(numerator, denominator)
+
+    def scipy(self) -> Any:
+        """The same as a system of `scipy.signal`.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model(Model("2/(s^2 + 3 s + 4)").scipy())
+        Model('(2)/(s^2 + 3 s + 4)')
+        """
+        numerator, denominator = self._polynomials()
+        return _scipy_signal().TransferFunction(numerator, denominator)
+
     def feedback(self, other: Model | float = 1, sign: int = -1) -> Model:
         """Closed loop ``self/(1 - sign self other)``.
 
@@ -557,6 +685,9 @@ class Model:
     # Numbers of numpy leave products with models to the models.
     __array_ufunc__ = None
 
+    def __getattr__(self, name: str) -> Any:
+        raise no_attribute(self, name)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
@@ -577,6 +708,7 @@ class Model:
         return f"<code>{escaped(self.formula)}</code>" + (html_table(["parameter", "value"], rows) if rows else "")
 
 
+@named
 def approximate(
     order: float,
     band: tuple[float, float],
@@ -610,6 +742,22 @@ def approximate(
     tolerance = None if tolerance is None else number(tolerance, "tolerance")
     poles = None if poles is None else count(poles, "poles")
     return Approximation(_core.approximate(number(order, "order"), *pair(band, "band"), tolerance, poles, text(method, "method")))
+
+
+def _control() -> Any:
+    try:
+        import control
+    except ImportError:
+        raise ImportError("control() needs the package control (python-control); scipy() needs scipy") from None
+    return control
+
+
+def _scipy_signal() -> Any:
+    try:
+        from scipy import signal
+    except ImportError:
+        raise ImportError("scipy() needs the package scipy") from None
+    return signal
 
 
 def _restored(formula: str, parameters: dict[str, float]) -> Model:

@@ -9,8 +9,10 @@ import numpy as np
 
 from . import _core
 from ._arrays import complex_array, number, real_array
+from ._words import named
 
 
+@named
 def mittag_leffler(alpha: Any, beta: Any, z: Any, *, derivative: bool = False) -> Any:
     """Mittag-Leffler function ``sum_k z^k / Gamma(alpha k + beta)``, or its derivative by z.
 
@@ -52,6 +54,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, derivative: bool = False) -
     return values.reshape(shape) if shape else values[0].item()
 
 
+@named
 def derivative(samples: Any, order: float, sample_time: float, *, tolerance: float = 1e-12) -> np.ndarray:
     """Fractional derivative (order > 0) or integral (order < 0) of samples that were 0 before the first.
 

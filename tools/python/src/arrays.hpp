@@ -6,10 +6,13 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <cassert>
 #include <complex>
 #include <cstddef>
+#include <initializer_list>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -48,6 +51,17 @@ template <typename T, typename Structs, typename Get>
   T* out = numbers.mutable_data();
   for (const auto& each : structs) *out++ = static_cast<T>(get(each));
   return numbers;
+}
+
+/// Words of an enumeration, whose numbers stand in a column; listed in its order, from 0 on.
+template <typename Enum>
+[[nodiscard]] py::list words_of(std::initializer_list<Enum> all) {
+  py::list words;
+  for (const Enum each : all) {
+    assert(static_cast<std::size_t>(each) == words.size());
+    words.append(std::string(to_string(each)));
+  }
+  return words;
 }
 
 }  // namespace python

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "arrays.hpp"
-#include "frac/digital/c_header.hpp"
+#include "exports.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -80,13 +80,6 @@ Complexes response(const Controller& controller, const Reals& omega) {
   return result;
 }
 
-std::string c_header(const Controller& controller, const std::string& name, const std::string& precision) {
-  frac::CHeaderOptions options;
-  options.name = name;
-  options.precision = frac::precision_from_string(precision);
-  return frac::c_header(controller.design, options);
-}
-
 }  // namespace
 
 void add_controller(py::module_& module) {
@@ -98,7 +91,8 @@ void add_controller(py::module_& module) {
       .def("reset", [](Controller& c) { c.pid.reset(); })
       .def("reset_at", [](Controller& c, double setpoint, double measured) { c.pid.reset(setpoint, measured); })
       .def("response", &response)
-      .def("c_header", &c_header)
+      .def("exported", [](const Controller& c, const std::string& form,
+                          const py::dict& how) { return exported(c.design, form, how); })
       .def("state", &state_of)
       .def("set_state", &set_state)
       .def("copy", [](const Controller& c) { return c; })

@@ -12,4 +12,6 @@ PYBIND11_MODULE(_core, module) {
   python::add_describing_function(module);
   python::add_orbits(module);
   python::add_loops(module);
+  python::add_motions(module);
+  python::add_exports(module);
 }

@@ -3,6 +3,9 @@
 #include <string>
 
 #include "arrays.hpp"
+#ifdef FRACFIT_HAS_EXPORTS
+#include "io/fmu_archive.hpp"
+#endif
 #include "io/frequency_response_file.hpp"
 #include "io/point_filter.hpp"
 #include "io/time_series_file.hpp"
@@ -87,4 +90,11 @@ PYBIND11_MODULE(_files, module) {
     return result_of([&](frac::Progress&) { return io::curve_labels(io::read_measurement(path), key_column); });
   });
   module.def("points_where", &points_where);
+#ifdef FRACFIT_HAS_EXPORTS
+  module.def("fmu_archive", [](const std::string& name, const std::vector<std::pair<std::string, std::string>>& files,
+                               const std::string& main_source) {
+    const auto made = result_of([&](frac::Progress&) { return io::fmu_archive(name, files, main_source); });
+    return py::make_tuple(py::bytes(made.bytes), made.no_library);
+  });
+#endif
 }

@@ -16,6 +16,7 @@
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/outliers.hpp"
+#include "frac/identification/statistics.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "parts.hpp"
 #include "realisation_choice.hpp"
@@ -272,6 +273,7 @@ void add_fit(py::module_& module) {
   module.def("fitted_response", &fitted_response);
   module.def("fitted_output", &fitted_output);
   module.def("response_deviation", &response_deviation);
+  module.def("student_t_95", &frac::student_t_95);
   module.def("presets", [] {
     py::list list;
     for (const auto& model : frac::model_library())

@@ -14,4 +14,7 @@ PYBIND11_MODULE(_fitting, module) {
   python::add_identify(module);
   python::add_tune(module);
   python::add_scene(module);
+  python::add_validity(module);
+  python::add_joint_fit(module);
+  python::add_jump_law(module);
 }

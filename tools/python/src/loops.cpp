@@ -1,60 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <numbers>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <tuple>
 
 #include "arrays.hpp"
-#include "backlash/loops/describe.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
+#include "backlash/loops/simulate_loop.hpp"
+#include "backlash/loops/simulate_sampled_loop.hpp"
 #include "described.hpp"
+#include "loop_parts.hpp"
 #include "parts.hpp"
 #include "run.hpp"
 
 namespace python {
 namespace {
 
-py::dict cycle_of(double omega, bool symmetric, std::size_t impacts, double speed, bool admissible,
-                  const std::string& reason, const backlash::CycleStability& stability,
-                  const std::vector<backlash::CycleHarmonic>& of_motion) {
-  py::list harmonics;
-  for (const auto& each : of_motion) harmonics.append(py::make_tuple(each.order, each.x1, each.x2, each.force));
-  py::dict result;
-  result["omega"] = omega;
-  result["symmetric"] = symmetric;
-  result["impacts_per_period"] = impacts;
-  result["impact_speed"] = speed;
-  result["admissible"] = admissible;
-  result["reason"] = reason;
-  result["stable"] = stability.stable;
-  result["unstable_multipliers"] = stability.unstable_multipliers;
-  result["dominant_multiplier"] = stability.dominant;
-  result["stability_loss"] = std::string(backlash::to_string(stability.loss));
-  result["harmonics"] = harmonics;
-  return result;
-}
-
-using Receptance = std::optional<frac::FractionalTransferFunction>;
-
-// A mass has no meaning beside its receptance.
-backlash::LinearBodies bodies_of(const std::optional<double>& mass1, const std::optional<double>& mass2,
-                                 const Receptance& load, const Receptance& drive, double clearance,
-                                 double restitution) {
-  if (mass1 && load) throw std::invalid_argument("mass1 does not go with load_receptance: the mass is that in it");
-  if (mass2 && drive) throw std::invalid_argument("mass2 does not go with drive_receptance: the mass is that in it");
-  const double m1 = mass1.value_or(1), m2 = mass2.value_or(1);
-  if (!load && !drive) return backlash::TwoMassSystem(m1, m2, clearance, restitution);
-  return {load ? *load : backlash::free_mass(m1), drive ? *drive : backlash::free_mass(m2), clearance, restitution};
-}
-
-py::dict cycles(const frac::FractionalTransferFunction& controller, const std::optional<double>& mass1,
-                const std::optional<double>& mass2, const Receptance& load, const Receptance& drive, double clearance,
-                double restitution, const std::string& body, const std::optional<std::pair<double, double>>& range,
-                int harmonics, int starts) {
-  const backlash::ControlLoop loop(bodies_of(mass1, mass2, load, drive, clearance, restitution), controller,
-                                   backlash::output_from_string(body));
+py::dict cycles(const frac::FractionalTransferFunction& controller, const py::dict& bodies,
+                const std::optional<std::pair<double, double>>& range, int harmonics, int starts) {
+  const backlash::ControlLoop loop = loop_of(controller, bodies);
   backlash::LimitCycleOptions options;
   if (range) options.range = backlash::FrequencyRange{range->first, range->second};
   options.harmonics = harmonics;
@@ -67,13 +33,8 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const std::o
                       can_start && starts > 0 ? backlash::impact_cycles(loop, seeded) : backlash::ImpactCycles{});
   });
   py::list found;
-  for (const auto& cycle : exact.cycles)
-    found.append(cycle_of(cycle.omega, true, 2, cycle.impact_speed, cycle.admissible, cycle.reason, cycle.stability,
-                          cycle.harmonics));
-  for (const auto* cycle : backlash::further_cycles(settled.cycles, exact.cycles))
-    found.append(cycle_of(2 * std::numbers::pi / cycle->period, cycle->symmetric, cycle->impacts.size(),
-                          cycle->impacts.front().speed, cycle->admissible, cycle->reason, cycle->stability,
-                          cycle->harmonics));
+  for (const auto& cycle : exact.cycles) found.append(cycle_of(cycle));
+  for (const auto* cycle : backlash::further_cycles(settled.cycles, exact.cycles)) found.append(cycle_of(*cycle));
   py::list motions;
   for (const auto& motion : settled.motions) motions.append(std::string(backlash::to_string(motion.regime)));
   py::dict result;
@@ -86,10 +47,82 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const std::o
   return result;
 }
 
+py::dict dict_of_rows(const std::vector<backlash::LoopRow>& rows) {
+  py::dict result;
+  result["time"] = column_of<double>(rows, [](const auto& row) { return row.time; });
+  result["x1"] = column_of<double>(rows, [](const auto& row) { return row.x1; });
+  result["v1"] = column_of<double>(rows, [](const auto& row) { return row.v1; });
+  result["x2"] = column_of<double>(rows, [](const auto& row) { return row.x2; });
+  result["v2"] = column_of<double>(rows, [](const auto& row) { return row.v2; });
+  result["force"] = column_of<double>(rows, [](const auto& row) { return row.force; });
+  result["event_code"] = column_of<std::int8_t>(rows, [](const auto& row) { return row.event; });
+  return result;
+}
+
+backlash::SetPoint set_point_of(const py::dict& given) {
+  backlash::SetPoint set_point;
+  set_point.step = given["setpoint_step"].cast<double>();
+  set_point.ramp = given["setpoint_ramp"].cast<double>();
+  if (!given["setpoint_sine"].is_none())
+    std::tie(set_point.sine_amplitude, set_point.sine_omega) = given["setpoint_sine"].cast<std::pair<double, double>>();
+  if (!given["setpoint_time"].is_none()) {
+    const auto time = given["setpoint_time"].cast<Reals>(), value = given["setpoint_value"].cast<Reals>();
+    for (py::ssize_t i = 0; i < time.size(); ++i) set_point.knots.push_back({time.data()[i], value.data()[i]});
+  }
+  return set_point;
+}
+
+py::dict simulated(const frac::FractionalTransferFunction& controller, const py::dict& bodies, const py::dict& given) {
+  const backlash::ControlLoop loop = loop_of(controller, bodies);
+  const backlash::SetPoint set_point = set_point_of(given);
+  const auto number = [&](const char* key) { return given[key].cast<double>(); };
+  if (!given["sample_time"].is_none()) {
+    backlash::SampledLoopOptions options;
+    options.sample_time = number("sample_time");
+    options.duration = number("duration");
+    options.force_limit = number("force_limit");
+    options.velocity1 = number("velocity1");
+    options.velocity2 = number("velocity2");
+    options.set_point = set_point;
+    const auto [history, note] = result_of([&](frac::Progress&) {
+      return std::pair(backlash::simulate_sampled_loop(loop, options),
+                       frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note());
+    });
+    py::dict result = dict_of_rows(history.rows);
+    result["impacts"] = history.impacts;
+    result["end"] = std::string(backlash::to_string(backlash::LoopEnd::duration));
+    result["end_time"] = options.duration;
+    result["realisation_error"] = 0.0;
+    result["note"] = note;
+    return result;
+  }
+  backlash::LoopSimulationOptions options;
+  options.duration = number("duration");
+  options.sample_time = number("every");
+  options.force_limit = number("force_limit");
+  options.tolerance = number("tolerance");
+  options.whole_memory = given["whole_memory"].cast<bool>();
+  options.most_impacts = given["impacts"].cast<std::size_t>();
+  const backlash::LoopStart start{0, number("velocity1"), 0, number("velocity2")};
+  const auto history =
+      result_of([&](frac::Progress&) { return backlash::simulate_loop(loop, start, set_point, options); });
+  py::dict result = dict_of_rows(history.rows);
+  result["impacts"] = history.impacts.size();
+  result["end"] = std::string(backlash::to_string(history.end));
+  result["end_time"] = history.end_time;
+  result["realisation_error"] = history.realisation_error;
+  result["note"] = "";
+  return result;
+}
+
 }  // namespace
 
 void add_loops(py::module_& module) {
   module.def("limit_cycles", &cycles);
+  module.def("loop", &simulated);
+  module.attr("loop_events") = py::tuple(
+      words_of({backlash::LoopEvent::sample, backlash::LoopEvent::before_impact, backlash::LoopEvent::after_impact,
+                backlash::LoopEvent::contact, backlash::LoopEvent::release}));
 }
 
 }  // namespace python

@@ -9,6 +9,7 @@
 #include "frac/model/frequency_response_data.hpp"
 #include "frac/model/time_response_data.hpp"
 #include "frac/no_ratio.hpp"
+#include "frac/parameter_units.hpp"
 #include "frac/stability.hpp"
 #include "frac/structure.hpp"
 #include "parts.hpp"
@@ -147,6 +148,9 @@ void add_model(py::module_& module) {
       .def("divide", [](const Transfer& a, const Transfer& b) { return a / b; })
       .def("feedback", [](const Transfer& forward, const Transfer& back) { return frac::feedback(forward, back); })
       .def("simplified", [](const Transfer& model) { return frac::simplified(model); });
+  module.def("parameter_units", [](const std::string& formula, const std::string& unit) {
+    return frac::parameter_units(frac::Structure(formula), unit);
+  });
   // Data are checked by the constructors of the library, whose sentences the caller is to see.
   module.def("check_frequency_response", [](const Reals& omega, const Complexes& value, const Reals& sigma) {
     static_cast<void>(frac::FrequencyResponseData(vector_of(omega), vector_of(value), vector_of(sigma)));

@@ -14,6 +14,8 @@ void add_controller(pybind11::module_& module);
 void add_describing_function(pybind11::module_& module);
 void add_orbits(pybind11::module_& module);
 void add_loops(pybind11::module_& module);
+void add_motions(pybind11::module_& module);
+void add_exports(pybind11::module_& module);
 
 // Parts of the fitting module.
 void add_economy(pybind11::module_& module);
@@ -21,5 +23,8 @@ void add_fit(pybind11::module_& module);
 void add_identify(pybind11::module_& module);
 void add_tune(pybind11::module_& module);
 void add_scene(pybind11::module_& module);
+void add_validity(pybind11::module_& module);
+void add_joint_fit(pybind11::module_& module);
+void add_jump_law(pybind11::module_& module);
 
 }  // namespace python

@@ -5,6 +5,12 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "backlash/design/tune_with_backlash.hpp"
+#include "described.hpp"
+#include "fit_request.hpp"
+#include "frac/identification/describe.hpp"
+#include "frac/identification/robust_tune.hpp"
+#include "loop_parts.hpp"
 #include "parts.hpp"
 #include "run.hpp"
 
@@ -47,30 +53,9 @@ frac::TuningOptions options_of(const py::dict& given) {
   return options;
 }
 
-py::dict tuned(const frac::FractionalTransferFunction& plant, const py::dict& specification, const py::dict& given) {
-  const frac::LoopSpecification asked = specification_of(specification);
-  const frac::TuningOptions options = options_of(given);
-  const auto found = result_of([&](frac::Progress&) { return frac::tune(plant, asked, options); });
-  py::dict dict;
-  dict["kp"] = found.gains.kp;
-  dict["ki"] = found.gains.ki;
-  dict["kd"] = found.gains.kd;
-  dict["lambda_"] = found.gains.lambda;
-  dict["mu"] = found.gains.mu;
-  dict["derivative_filter_time"] = found.derivative_filter_time;
-  dict["status"] = std::string(frac::to_string(found.status));
+py::dict dict_of_tuning(const frac::TuningResult& found) {
+  py::dict dict = dict_of(found);
   dict["usable"] = found.usable();
-  dict["message"] = found.message;
-  dict["closed_loop"] = std::string(frac::to_string(found.closed_loop));
-  dict["crossover"] = found.crossover;
-  dict["phase_margin"] = found.phase_margin;
-  dict["phase_slope"] = found.phase_slope;
-  dict["gain_margin"] = found.gain_margin;
-  dict["max_sensitivity"] = found.max_sensitivity;
-  dict["max_complementary_sensitivity"] = found.max_complementary_sensitivity;
-  dict["iae"] = found.iae;
-  dict["itae"] = found.itae;
-  dict["evaluations"] = found.evaluations;
   dict["summary"] = found.summary();
   py::list lines;
   for (const auto& line : found.specification)
@@ -80,10 +65,70 @@ py::dict tuned(const frac::FractionalTransferFunction& plant, const py::dict& sp
   return dict;
 }
 
+py::dict tuned(const frac::FractionalTransferFunction& plant, const py::dict& specification, const py::dict& given) {
+  const frac::LoopSpecification asked = specification_of(specification);
+  const frac::TuningOptions options = options_of(given);
+  return dict_of_tuning(result_of([&](frac::Progress&) { return frac::tune(plant, asked, options); }));
+}
+
+py::dict tuned_for_region(const py::dict& fit, const py::dict& specification, const py::dict& given) {
+  const frac::LoopSpecification asked = specification_of(specification);
+  const frac::TuningOptions options = options_of(given);
+  const frac::FitResult plants = fit_result_from(fit);
+  const auto found = result_of([&](frac::Progress&) { return frac::tune_for_region(plants, asked, options); });
+  py::dict dict = dict_of_tuning(found.nominal);
+  py::dict region = dict_of(found);
+  region.attr("pop")("nominal");
+  dict["region"] = region;
+  // The answer is that of all plants of the region.
+  dict["status"] = region["status"];
+  dict["message"] = found.message;
+  dict["summary"] = found.summary();
+  dict["usable"] = found.usable();
+  return dict;
+}
+
+py::dict dict_of_motion(const backlash::PersistentMotion& motion) {
+  py::list cycles, simulations;
+  for (const auto& cycle : motion.cycles) cycles.append(cycle_of(cycle));
+  for (const auto& cycle : motion.further) cycles.append(cycle_of(cycle));
+  for (const auto& each : motion.simulations)
+    simulations.append(py::dict(py::arg("velocity2") = each.speed, py::arg("swing") = each.swing,
+                                py::arg("dies_out") = each.dies_out));
+  return py::dict(py::arg("swing") = motion.swing, py::arg("omega") = motion.omega,
+                  py::arg("verified") = motion.verified, py::arg("certain") = motion.certain,
+                  py::arg("searched") = py::make_tuple(motion.searched.from, motion.searched.to),
+                  py::arg("cycles") = cycles, py::arg("simulations") = simulations);
+}
+
+py::dict tuned_with_backlash(const py::dict& bodies, const py::dict& specification, const py::dict& given) {
+  const frac::LoopSpecification asked = specification_of(specification);
+  const frac::TuningOptions options = options_of(given);
+  const backlash::BacklashPlant plant{bodies_of(bodies),
+                                      backlash::output_from_string(bodies["body"].cast<std::string>())};
+  const auto found = result_of([&](frac::Progress&) { return backlash::tune_with_backlash(plant, asked, options); });
+  py::dict dict = dict_of_tuning(found.linear);
+  dict["message"] = found.message;
+  dict["summary"] = found.summary();
+  dict["usable"] = found.usable();
+  dict["motion"] = dict_of_motion(found.persistent);
+  dict["regardless"] = dict_of_tuning(found.regardless);
+  dict["motion_regardless"] = dict_of_motion(found.of_regardless);
+  py::list constraints;
+  for (const auto& line : found.constraints)
+    constraints.append(py::dict(py::arg("name") = line.name, py::arg("asked") = line.asked,
+                                py::arg("reached") = line.reached, py::arg("active") = line.active));
+  dict["constraints"] = constraints;
+  return dict;
+}
+
 }  // namespace
 
 void add_tune(py::module_& module) {
+  module.attr("described")["Tuning"] = attributes_of<frac::TuningResult>();
   module.def("tune", &tuned);
+  module.def("tune_for_region", &tuned_for_region);
+  module.def("tune_with_backlash", &tuned_with_backlash);
 }
 
 }  // namespace python

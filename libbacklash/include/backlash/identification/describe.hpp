@@ -7,6 +7,10 @@ namespace backlash {
 
 struct BodiesIdentification;
 struct ExplanationFit;
+struct ForceLaw;
+struct JumpConstant;
+struct JumpLaw;
+struct JumpPoint;
 struct RivalScene;
 struct SceneComparison;
 struct SceneEstimate;
@@ -99,6 +103,40 @@ void describe(Result& result, const Visit& visit) {
   visit("residuals", "1", "number of residuals", result.residuals);
   visit("skipped", "", "what could not be compared, with the reason", result.skipped);
   visit("sentence", "", "which explanation the data support", result.sentence);
+}
+
+template <frac::ResultOf<JumpPoint> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("force", "N", "force amplitude", result.force);
+  visit("clearance", "m", "clearance", result.clearance);
+  visit("restitution", "1", "coefficient of restitution", result.restitution);
+  visit("omega_jump", "rad/s", "jump frequency; none where the criterion gives none", result.omega_jump);
+}
+
+template <frac::ResultOf<JumpConstant> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("restitution", "1", "coefficient of restitution", result.restitution);
+  visit("similarity_constant", "1", "jump frequency over sqrt(F/(M2 Delta)); none where there is no jump",
+        result.similarity_constant);
+  visit("message", "", "what happens at the jump, or why there is none", result.message);
+}
+
+template <frac::ResultOf<ForceLaw> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("clearance", "m", "clearance", result.clearance);
+  visit("law", "", "jump frequency over force, a power law", result.law);
+}
+
+template <frac::ResultOf<JumpLaw> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("criterion", "", "what counts as the jump", result.criterion);
+  visit("points", "", "jump frequencies of the scenes, see jump-point", result.points);
+  visit("constants", "", "similarity constants over restitution, see jump-constant", result.constants);
+  visit("mean_similarity_constant", "1", "mean of the similarity constant", result.mean_similarity_constant);
+  visit("message", "", "why there is no law; empty where there is one", result.message);
+  visit("laws", "", "power law of the force at each clearance, see force-law", result.laws);
+  visit("a_of_clearance", "", "coefficient of these laws as a power law of the clearance", result.a_of_clearance);
+  visit("b_of_clearance", "", "exponent of these laws as a power law of the clearance", result.b_of_clearance);
 }
 
 }  // namespace backlash

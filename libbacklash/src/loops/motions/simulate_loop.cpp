@@ -10,6 +10,7 @@
 
 #include "base/check.hpp"
 #include "base/spelling.hpp"
+#include "frac/cancellation.hpp"
 #include "loop_run.hpp"
 #include "loops/cycles/frequency_search.hpp"
 #include "special/reciprocal_gamma.hpp"
@@ -294,6 +295,7 @@ LoopHistory run_with_whole_memory(const ControlLoop& loop, const LoopStart& star
   double step = options.duration;
   double last_impact = 0;
   while (motion.time() < options.duration) {
+    frac::throw_if_cancelled();
     const double to = std::min(options.duration, motion.time() + step);
     const Loop::Range rate = motion.rates_until(to);
     const double width = to - motion.time();

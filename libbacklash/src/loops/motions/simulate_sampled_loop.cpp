@@ -9,6 +9,7 @@
 
 #include "backlash/two_mass_plant.hpp"
 #include "base/check.hpp"
+#include "frac/cancellation.hpp"
 #include "loops/cycles/frequency_search.hpp"
 
 namespace backlash {
@@ -66,6 +67,7 @@ SampledLoopHistory simulate_sampled_loop(const ControlLoop& loop, const SampledL
   const auto samples = static_cast<std::size_t>(options.duration / time * (1 + 1e-12));
   history.rows.reserve(samples + 1);
   for (std::size_t n = 0; n <= samples; ++n) {
+    frac::throw_if_cancelled();
     const TwoMassState state = plant.state();
     const double now = static_cast<double>(n) * time;
     const double x2 = state.position2 - half;

@@ -10,11 +10,13 @@
 
 namespace frac {
 
+struct Crossover;
 struct DerivedEstimate;
 struct Economy;
 struct EconomyCurve;
 struct EconomyPoint;
 struct Finalist;
+struct FeasibleNearby;
 struct FitResult;
 struct IdentificationResult;
 struct JointCurveResult;
@@ -22,8 +24,17 @@ struct JointFitResult;
 struct LackOfFit;
 struct NextMeasurement;
 struct ParameterEstimate;
+struct PowerLaw;
 struct PriorEstimate;
 struct RankedFit;
+struct ReachedSpecification;
+struct RobustTuningResult;
+struct TimesDistribution;
+struct TimesLine;
+struct TimesPeak;
+struct TuningResult;
+struct ValidationResult;
+struct ValidityFinding;
 
 // Descriptions of the results of identification, see frac/describe.hpp.  Units: "residual" is that of a weighted
 // residual, 1 or that of the data by FitOptions::weight; "value" that of the data; "parameter" that of the parameter.
@@ -96,7 +107,7 @@ void describe(Result& result, const Visit& visit) {
   visit("bic", "1", "Schwarz's criterion", result.bic);
   visit("termination", "", "converged, not-converged or no-usable-start", result.termination);
   visit("message", "", "what became of the search", result.message);
-  visit("residuals", "1", "number of residuals", result.residuals);
+  visit({"residuals", "residual_count"}, "1", "number of residuals", result.residuals);
   visit("free_parameters", "1", "number of free parameters", result.free_parameters);
   visit("starts", "1", "local searches", result.starts);
   visit("starts_at_best", "1", "searches that ended at the least cost", result.starts_at_best);
@@ -235,6 +246,165 @@ void describe(Result& result, const Visit& visit) {
   visit("verdict", "", "fractional-cheaper, integer-cheaper, equal, depends-on-error or neither", result.verdict);
   visit("sentence", "", "the verdict in words", result.sentence);
   visit("curves", "", "one for each class and one for each curve given, see economy-curve", result.curves);
+}
+
+template <ResultOf<ValidityFinding> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("test", "", "what was tested", result.test);
+  visit("p_value", "1", "chance of as much by noise alone; none where the test does not apply", result.p_value);
+  visit("alarm", "", "whether the test speaks against the data", result.alarm);
+}
+
+template <ResultOf<ValidationResult> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("validity", "", "valid, suspect, invalid or undecided", result.validity);
+  visit("level", "1", "chance that data without a fault are not called valid", result.level);
+  visit("accuracy", "1", "share of the response within which departures are no fault", result.accuracy);
+  visit("findings", "", "one for each test, see finding", result.findings);
+  visit("largest_residual", "1", "largest residual of the judged points, share of the model", result.largest_residual);
+  visit("every", "1", "one point in so many was judged", result.every);
+  visit("real_poles", "1", "real poles of the consistent model", result.real_poles);
+  visit("pole_pairs", "1", "pairs of poles of the consistent model", result.pole_pairs);
+  visit("dead_time", "s", "dead time of the consistent model; 0 where none is needed", result.dead_time);
+  visit("model", "value", "consistent model at each point; none where a point was not judged or set aside",
+        result.model);
+  visit("deviation", "value", "standard deviation of the noise of real and imaginary part each, at each point",
+        result.deviation);
+  visit("noise", "1", "noise over the model, root mean square over the points", result.noise);
+  visit("noise_floor", "1", "additive part of the noise relative to the model; 0 without one", result.noise_floor);
+  visit("noise_slope", "1", "slope of ln noise over ln omega beside the floor; 0 where none is clear",
+        result.noise_slope);
+  visit("correlation", "1", "correlation of neighbouring residuals, less what white noise would show",
+        result.correlation);
+  visit("drift", "1", "change of the response during the sweep, share of its size, towards low frequencies",
+        result.drift);
+  visit("drift_deviation", "1", "standard deviation of the drift", result.drift_deviation);
+  visit("drift_law", "", "drift-even or drift-periods: how long each point is taken to last", result.drift_law);
+  visit("drift_explains", "", "whether no residuals follow each other without the drift", result.drift_explains);
+  visit("detectable_drift", "1", "drift that is found in nine of ten such measurements", result.detectable_drift);
+  visit("step", "1", "change of the response between two points, share of its size, upwards", result.step);
+  visit("step_deviation", "1", "standard deviation of the step", result.step_deviation);
+  visit("step_below", "rad/s", "point below the step", result.step_below);
+  visit("step_above", "rad/s", "point above the step", result.step_above);
+  visit("step_explains", "", "whether no residuals follow each other without the step", result.step_explains);
+  visit("drift_share", "1", "share of the squared residuals that goes with the drift", result.drift_share);
+  visit("step_share", "1", "share of the squared residuals that goes with the step", result.step_share);
+  visit("reversed_sign", "", "whether the points are consistent with imaginary parts reversed", result.reversed_sign);
+  visit("freedom", "1", "residuals less parameters", result.freedom);
+  visit("outliers", "", "indices of the points that are outliers", result.outliers);
+  visit("mains", "", "indices of the points at a mains frequency that speaks against the data", result.mains);
+  visit("frequency_unit", "", "unit in which the summary gives frequencies", result.frequency_unit);
+}
+
+template <class Result, class Visit>
+requires ResultOf<Result, TimesLine> || ResultOf<Result, TimesPeak>
+void describe(Result& result, const Visit& visit) {
+  visit("tau", "s", "relaxation time", result.tau);
+  visit("area", "value", "strength of the line, or area of the peak between its minima", result.area);
+  visit("tau_ci95", "s", "interval of 95 %", NumberPair("tau_lower", result.tau_lower, "tau_upper", result.tau_upper));
+  visit("area_ci95", "value", "interval of 95 %",
+        NumberPair("area_lower", result.area_lower, "area_upper", result.area_upper));
+}
+
+template <ResultOf<TimesDistribution> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("kernel", "", "falling or rising: what a relaxation time contributes", result.kernel);
+  visit("tau", "s", "relaxation times, rising", result.tau);
+  visit("density", "value", "density per e-fold of the relaxation time", result.density);
+  visit("lower", "value", "lower end of the range of 95 % of the density; empty where unknown", result.lower);
+  visit("upper", "value", "upper end of the range of 95 % of the density; empty where unknown", result.upper);
+  visit("lines", "", "relaxation times of their own, see relaxation-time", result.lines);
+  visit("peaks", "", "maxima of the density, see relaxation-time", result.peaks);
+  visit("lines_left_off", "1", "lines of a series, shorter than those listed", result.lines_left_off);
+  visit("constant", "value", "constant beside the density; none of a formula", result.constant);
+  visit("inductance", "value s", "coefficient of s beside the density; none of a formula", result.inductance);
+  visit("elastance", "value/s", "coefficient of 1/s beside the density; none of a formula", result.elastance);
+  visit("smoothness", "1", "weight of the roughness; none of a formula", result.smoothness);
+  visit("misfit", "1", "rms of what the distribution leaves of the data, relative to them; none of a formula",
+        result.misfit);
+  visit("misfit_in_noise", "1", "rms of what it leaves, in standard deviations of the noise; none of a formula",
+        result.misfit_in_noise);
+}
+
+template <ResultOf<PowerLaw> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("coefficient", "", "factor of the power", result.coefficient);
+  visit("exponent", "1", "exponent of the power", result.exponent);
+  visit("coefficient_ci95", "", "interval of 95 %",
+        NumberPair("coefficient_ci95_lower", result.coefficient_ci95_lower, "coefficient_ci95_upper",
+                   result.coefficient_ci95_upper));
+  visit("exponent_standard_error", "1", "standard error of the exponent", result.exponent_standard_error);
+  visit(
+      "exponent_ci95", "1", "interval of 95 %",
+      NumberPair("exponent_ci95_lower", result.exponent_ci95_lower, "exponent_ci95_upper", result.exponent_ci95_upper));
+  visit("r_squared", "1", "share of the variance of the logarithm that the law explains", result.r_squared);
+  visit("rms_log_residual", "1", "root mean square of the residuals of the logarithm", result.rms_log_residual);
+}
+
+template <ResultOf<ReachedSpecification> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("name", "", "what was asked for", result.name);
+  visit("asked", "", "value asked for", result.asked);
+  visit("reached", "", "value reached", result.reached);
+  visit("met", "", "whether it is kept", result.met);
+}
+
+template <ResultOf<Crossover> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("omega", "rad/s", "where the loop crosses", result.omega);
+  visit("margin", "", "factor or angle (rad) that is left there", result.margin);
+}
+
+template <ResultOf<FeasibleNearby> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("phase_margin", "rad", "nearest margin within reach at the crossover asked for", result.phase_margin);
+  visit("lower_crossover", "rad/s", "nearest crossover below, at the margin asked for", result.lower_crossover);
+  visit("higher_crossover", "rad/s", "nearest crossover above, at the margin asked for", result.higher_crossover);
+}
+
+template <ResultOf<TuningResult> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("kp", "", "proportional gain", result.gains.kp);
+  visit("ki", "", "integral gain", result.gains.ki);
+  visit("kd", "", "derivative gain", result.gains.kd);
+  visit({"lambda", "lambda_"}, "1", "order of integration", result.gains.lambda);
+  visit("mu", "1", "order of differentiation", result.gains.mu);
+  visit("derivative_filter_time", "s", "time of the derivative's filter, as given", result.derivative_filter_time);
+  visit("status", "", "met or not-met", result.status);
+  visit("message", "", "what became of the search", result.message);
+  visit("mu_limit", "1", "order of differentiation with which the loop still falls at high frequency", result.mu_limit);
+  visit("mu_at_limit", "", "whether that limit holds back the order of differentiation", result.mu_at_limit);
+  visit("specification", "", "what was asked for and reached, see specification", result.specification);
+  visit("nearby", "", "what is within reach where the crossover or margin asked for is not", result.nearby);
+  visit("closed_loop", "", "stability of the closed loop", result.closed_loop);
+  visit("crossover", "rad/s", "where the loop has the gain 1, nearest to what was asked; none: nowhere",
+        result.crossover);
+  visit("phase_margin", "rad", "phase margin at the crossover", result.phase_margin);
+  visit("other_crossovers", "", "further crossovers, see crossover", result.other_crossovers);
+  visit("phase_slope", "rad", "slope of the phase at the crossover, per e-fold", result.phase_slope);
+  visit("gain_margin", "1", "smallest factor above 1 that makes the loop unstable", result.gain_margin);
+  visit("max_sensitivity", "1", "largest |S| over all frequencies", result.max_sensitivity);
+  visit("omega_max_sensitivity", "rad/s", "where |S| is largest", result.omega_max_sensitivity);
+  visit("max_complementary_sensitivity", "1", "largest |T| over all frequencies", result.max_complementary_sensitivity);
+  visit("omega_max_complementary_sensitivity", "rad/s", "where |T| is largest",
+        result.omega_max_complementary_sensitivity);
+  visit("iae", "s", "integral of the modulus of the error after a step", result.iae);
+  visit("itae", "s^2", "integral of that times the time", result.itae);
+  visit("evaluations", "1", "controllers that were tried", result.evaluations);
+}
+
+template <ResultOf<RobustTuningResult> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("nominal", "", "controller, and what the fitted plant makes of it, see tuning", result.nominal);
+  visit("status", "", "met or not-met, over all plants of the region", result.status);
+  visit("message", "", "what became of the search", result.message);
+  visit("plants", "1", "plants of the region that were looked at", result.plants);
+  visit("not_stable", "1", "plants of the region whose loop is not stable", result.not_stable);
+  visit("max_sensitivity", "1", "largest |S| over the region", result.max_sensitivity);
+  visit("max_complementary_sensitivity", "1", "largest |T| over the region", result.max_complementary_sensitivity);
+  visit("least_phase_margin", "rad", "least phase margin over the region", result.least_phase_margin);
+  visit("lowest_crossover", "rad/s", "lowest crossover over the region", result.lowest_crossover);
+  visit("highest_crossover", "rad/s", "highest crossover over the region", result.highest_crossover);
 }
 
 }  // namespace frac

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 
 namespace frac::detail {
 
@@ -14,6 +15,7 @@ Eigen::VectorXd nonnegative_minimum(const Eigen::MatrixXd& hessian, const Eigen:
   int patience = 3;
   // All that are on the wrong side change sides at once; where that stops helping, the last one alone, which ends.
   for (Eigen::Index step = 0; step < 20 * n; ++step) {
+    throw_if_cancelled();
     std::vector<Eigen::Index> chosen;
     for (Eigen::Index i = 0; i < n; ++i)
       if (free[static_cast<std::size_t>(i)]) chosen.push_back(i);

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every computing command of the program is a function here, and its numbers are those of the program to the last bit."""
+
+import json
+import math
+import os
+import re
+import subprocess
+import zipfile
+
+import numpy as np
+import pytest
+
+import command_line
+import fracfit
+from fracfit import FractionalPid, Model
+
+EXAMPLES = os.path.join(command_line.DATA, "examples")
+CELL = os.path.join(EXAMPLES, "cell.csv")
+
+# What computes, and where it is in Python.
+FUNCTIONS = {
+    "analyse": "Model.stability",
+    "approximate": "approximate",
+    "basins": "basins",
+    "batch": "batch",
+    "controller": "FractionalPid",
+    "convert": "FrequencyResponse.to_csv",
+    "drt": "drt",
+    "evaluate": "FitResult.band",
+    "export": "export_fmu",
+    "fit": "fit",
+    "history": "history",
+    "identify": "identify",
+    "identify-scene": "identify_scene",
+    "joint-fit": "joint_fit",
+    "jump-law": "jump_law",
+    "limit-cycles": "limit_cycles",
+    "loop": "loop",
+    "map": "regime_map",
+    "mittag-leffler": "mittag_leffler",
+    "orbits": "orbits",
+    "realise": "Model.realise",
+    "report": "report",
+    "respond": "Model.respond",
+    "simulate": "describing_function",
+    "tune": "tune",
+    "validate": "validate",
+}
+# These compute nothing: texts for shells, documents and clusters, and files joined.
+OTHERS = {"cluster-script", "completion", "describe", "help", "man", "merge"}
+
+
+def test_every_computing_command_has_its_function():
+    listed = re.findall(r"^  ([a-z][a-z-]+)  ", command_line.run("--help"), flags=re.M)
+    assert len(listed) > 20
+    missing = set(listed) - set(FUNCTIONS) - OTHERS
+    assert not missing, f"commands that nobody has placed: {missing}"
+    for where in FUNCTIONS.values():
+        thing = fracfit
+        for name in where.split("."):
+            thing = getattr(thing, name)
+        assert callable(thing)
+
+
+def same(ours, theirs):
+    """To the last bit, NaN for what is not there."""
+    mine, other = np.asarray(ours, dtype=float), np.asarray(theirs, dtype=float)
+    assert mine.shape == other.shape
+    np.testing.assert_array_equal(mine, other)
+
+
+def test_validity():
+    columns = command_line.columns_of("validate", CELL)
+    found = fracfit.validate(fracfit.read(CELL))
+    assert found.validity == columns["validity"][0]
+    for name in ("noise", "noise_floor", "noise_slope", "correlation", "drift", "drift_deviation", "detectable_drift", "step", "largest_residual"):
+        same(getattr(found, name), columns[name][0])
+    for each in found.findings:
+        same(each["p_value"], columns["p_" + each["test"].replace("-", "_")][0])
+    # Its consistent model belongs to the points, and what it leaves is as large as the noise that it tells.
+    rest = found.residuals[np.isfinite(found.residuals)]
+    assert rest.size > 40 and 0.3 < np.sqrt(np.mean(np.abs(rest) ** 2) / 2) / found.noise < 3
+
+
+def test_relaxation_times(tmp_path):
+    columns = command_line.columns_of("drt", CELL)
+    found = fracfit.drt(fracfit.read(CELL))
+    kind = np.array(columns["kind"])
+    same(found.tau, np.array(columns["tau_s"])[kind == "density"])
+    same(found.density, np.array(columns["value"])[kind == "density"])
+    same(found.lower, np.array(columns["lower"])[kind == "density"])
+    same([each["tau"] for each in found.peaks], np.array(columns["tau_s"])[kind == "peak"])
+    # Of a formula: closed form of an arc (Fuoss, Kirkwood 1941), g = sin(a pi)/(2 pi (cosh(a ln(tau/T)) + cos(a pi))).  The
+    # density is the difference of two values beside the cut, each right to some 1e-15.
+    tau = np.logspace(-4, 0, 41)
+    exact = np.sin(0.8 * np.pi) / (2 * np.pi) / (np.cosh(0.8 * np.log(tau / 0.01)) + np.cos(0.8 * np.pi))
+    arc = fracfit.drt(Model("1/(1 + (T s)^a)", T=0.01, a=0.8), tau=tau)
+    np.testing.assert_allclose(arc.density, exact, rtol=1e-12)
+    # An admittance rises; its density is that of the other kernel.
+    assert fracfit.drt(Model("1 - 1/(1 + (0.01 s)^0.8)"), tau=tau).kernel == "rising"
+
+
+def test_joint_fits(tmp_path):
+    paths = [tmp_path / f"{k}.csv" for k in (1, 2)]
+    random = np.random.default_rng(3)
+    for k, path in enumerate(paths):
+        exact = Model("K/(T s^a + 1)", K=k + 1, T=0.5, a=0.7).frequency_response(np.logspace(-1, 2, 25))
+        noise = random.normal(size=(2, 25))
+        data = fracfit.FrequencyResponse(exact.omega, exact.response * (1 + 0.01 * (noise[0] + 1j * noise[1])), metadata={"force": str(k + 1)})
+        data.to_csv(path)
+    curves = [fracfit.read(path) for path in paths]
+    theirs = command_line.json_of("joint-fit", *paths, "--model", "K/(T s^a + 1)", "--shared", "T,a", "--derive", "w = T^(-1/a)")
+    ours = fracfit.joint_fit(curves, "K/(T s^a + 1)", shared="T,a", derive="w = T^(-1/a)")
+    assert list(ours.parameters) == [each["name"] for each in theirs["shared"]] == ["T", "a"]
+    for mine, other in zip(ours.shared, theirs["shared"]):
+        same([mine["value"], mine["standard_error"]], [other["value"], other["standard_error"]])
+    same(ours.sharing_p_value, theirs["sharing_p_value"])
+    for curve in ours.curves:
+        w = curve["derived"][0]
+        assert math.isclose(w["value"], ours["T"] ** (-1 / ours["a"]), rel_tol=1e-14)
+        assert w["standard_error"] > 0
+    # The other way round, and by a law of what the headers know: the same shared values, as K = force.
+    again = fracfit.joint_fit(curves, "K/(T s^a + 1)", each=["K"])
+    assert again.parameters == ours.parameters
+    law = fracfit.joint_fit(curves, "K/(T s^a + 1)", shared=["T", "a"], law="K = K0 force^p")
+    assert abs(law["p"] - 1) < 0.05 and abs(law["K0"] - 1) < 0.05  # with 1 % noise of 25 points
+    assert ours.to_csv(tmp_path / "joint.csv") is None
+
+
+def test_jump_law():
+    options = {"restitution": [0.2, 0.5], "force": [10.0, 20.0, 40.0], "clearance": [0.1, 0.2]}
+    theirs = command_line.json_of("jump-law", *(f"--{name}={','.join(map(str, value))}" for name, value in options.items()))
+    ours = fracfit.jump_law(**options)
+    same([each["omega_jump"] for each in ours.points], [each["omega_jump"] for each in theirs["points"]])
+    same(ours.a_of_clearance["coefficient"], theirs["a_of_clearance"]["coefficient"])
+    same(ours.mean_similarity_constant, np.mean([each["similarity_constant"] for each in ours.constants]))
+
+
+def test_motions_over_time():
+    scene = {"restitution": 0.6, "force": 40.0, "clearance": 0.3}
+    arguments = [f"--{name}={value}" for name, value in scene.items()]
+    theirs = command_line.columns_of("history", *arguments, "--omega", 20, "--skip", 1500, "--periods", 2, "--samples", 10)
+    ours = fracfit.history(20.0, **scene, skip=1500, periods=2, samples=10)
+    for name, column in ours._columns().items():
+        if name in ("event", "contact"):
+            assert column.tolist() == theirs[name]
+        else:
+            same(column, theirs[name])
+    theirs = command_line.columns_of("loop", "--controller", "1 + s^0.5", "--restitution", 0.6, "--velocity2", 1, "--duration", 20, "--every", 0.5)
+    ours = fracfit.loop("1 + s^0.5", restitution=0.6, velocity2=1, duration=20, every=0.5)
+    same(ours.x1, theirs["x1_m"])
+    same(ours.force, theirs["force_n"])
+    sampled = fracfit.loop("2 + s^0.5", restitution=0.6, velocity2=1, duration=1, sample_time=0.002, force_limit=0.5)
+    theirs = command_line.columns_of(
+        "loop", "--controller", "2 + s^0.5", "--restitution", 0.6, "--velocity2", 1, "--duration", 1, "--sample-time", 0.002, "--force-limit", 0.5
+    )
+    same(sampled.x1, theirs["x1_m"])
+    # A set-point by its knots is the ramp that they lie on.
+    ramp = fracfit.loop("2 + s", restitution=0.6, setpoint_ramp=0.1, duration=5, every=0.5)
+    knots = fracfit.loop("2 + s", restitution=0.6, setpoint=([0.0, 10.0], [0.0, 1.0]), duration=5, every=0.5)
+    # Two ways to the same flight, in the sum of exponentials of whole powers: rounding, grown over a few impacts.
+    np.testing.assert_allclose(knots.x1, ramp.x1, atol=1e-9)
+
+
+def test_basins():
+    theirs = command_line.columns_of("basins", "--restitution", 0.6, "--omega", 1.41, "--position", "0.2,0.8", "--velocity=-1,0,1")
+    ours = fracfit.basins(1.41, restitution=0.6, position=[0.2, 0.8], velocity=[-1, 0, 1])
+    same(ours._columns()["position_m"], theirs["position_m"])
+    assert len(set(theirs["attractor"])) == len(ours.attractors)
+    assert sum(each["starts"] for each in ours.attractors) == ours.attractor.size == 6
+
+
+def test_controllers_for_what_data_leave_possible(tmp_path):
+    data = fracfit.read(os.path.join(EXAMPLES, "step.csv"))
+    fit = fracfit.fit(data, "K exp(-L s)/(T s^a + 1)")
+    path = tmp_path / "fit.json"
+    path.write_text(command_line.run("fit", os.path.join(EXAMPLES, "step.csv"), "--model", "K exp(-L s)/(T s^a + 1)", "--format", "json"))
+    crossover = 0.5 / fit["T"]
+    asked = ["--crossover", crossover, "--phase-margin", 60, "--max-sensitivity", 1.8, "--structure", "pi", "--lambda", 1]
+    theirs = json.loads(subprocess.run([command_line.PROGRAM, "tune", "--fit", path, *map(str, asked)], capture_output=True, text=True, check=False).stdout)
+    ours = fracfit.tune(fit, crossover=crossover, phase_margin=math.radians(60), max_sensitivity=1.8, structure="pi", lambda_=1)
+    np.testing.assert_allclose(ours.kp, theirs["controller"]["kp"], rtol=1e-9)  # degrees to rad
+    assert ours.region["plants"] == theirs["region"]["plants"] and ours.usable == (theirs["status"] == "met")
+    # The worst of the region is no better than the plant itself.
+    assert ours.region["max_sensitivity"] >= ours.max_sensitivity - 1e-9
+
+
+def test_controllers_with_backlash():
+    options = {"clearance": 0.01, "restitution": 0.5, "crossover": 2.0}
+    theirs = command_line.json_of("tune", *(f"--{k}={v}" for k, v in options.items()), "--load-receptance", "1/(s^2 + 0.8 s)", "--phase-margin", 50)
+    ours = fracfit.tune(**options, load_receptance="1/(s^2 + 0.8 s)", phase_margin=math.radians(50))
+    np.testing.assert_allclose(ours.kp, theirs["controller"]["kp"], rtol=1e-6)  # a search, from degrees that round otherwise
+    assert (ours.motion["swing"] > 0) == theirs["backlash"]["persists"]
+    assert [each["name"] for each in ours.constraints] == [each["name"] for each in theirs["constraints"]]
+
+
+def body(text):
+    """Code without what is said of its origin."""
+    # A guard is made from all of it.
+    return re.sub(r"_H_[0-9a-f]+|MODEL_GUID .*", "", re.sub(r"/\*.*?\*/", "", text, flags=re.S))
+
+
+def test_exports(tmp_path):
+    theirs = command_line.run("export", "spice", "s^-0.5", "--kind", "impedance", "--band", "1:1e4")
+    ours = fracfit.export_spice("s^-0.5", kind="impedance", band=(1, 1e4), out=tmp_path / "half.lib")
+    elements = [line for line in ours.netlist.splitlines() if line and line[0] in "RCL."]
+    assert elements == [line for line in theirs.splitlines() if line and line[0] in "RCL."]
+    assert (tmp_path / "half.lib").read_text() == ours.netlist
+    warburg = fracfit.export_spice(Model("2 tanh(sqrt(T s))/sqrt(T s)", T=3), kind="impedance", band=(1e-2, 1e2))
+    assert warburg.max_relative_error < 1e-3
+
+    pid = FractionalPid(2, 3, lambda_=0.8, sample_time=1e-3, band=(0.1, 300), minimum=-5, maximum=5)
+    words = ["--kp", 2, "--ki", 3, "--lambda", 0.8, "--sample-time", 1e-3, "--band", "0.1:300"]
+    theirs = command_line.run("export", "c99", *words, "--min", -5, "--max", 5)
+    assert body(fracfit.export_c99(pid)) == body(theirs) == body(pid.c_header())
+    theirs = command_line.run("export", "c99", "--model", "1/(s^0.5 + 1)", "--sample-time", 0.01, "--fixed-point", "1:1")
+    assert body(fracfit.export_c99("1/(s^0.5 + 1)", sample_time=0.01, fixed_point=(1, 1))) == body(theirs)
+
+    files = fracfit.export_arduino(pid, tmp_path / "heater", name="heater")
+    assert {file.name for file in files} >= {"library.properties", "keywords.txt"} and all(file.exists() for file in files)
+
+    unit = fracfit.export_fmu(out=tmp_path / "gear.fmu", clearance=0.001, restitution=0.6, mass1=2, name="gear")
+    command_line.run("export", "fmu", "--clearance", 0.001, "--restitution", 0.6, "--mass1", 2, "--name", "gear", "--out", tmp_path / "theirs.fmu")
+    with zipfile.ZipFile(unit) as mine, zipfile.ZipFile(tmp_path / "theirs.fmu") as other:
+        assert mine.namelist() == other.namelist() and "modelDescription.xml" in mine.namelist()
+        for name in mine.namelist():
+            if name.endswith((".c", ".h")):
+                assert body(mine.read(name).decode()) == body(other.read(name).decode())
+    assert zipfile.ZipFile(fracfit.export_fmu("1/(s^0.5 + 1)", tmp_path / "plant.fmu", band=(0.01, 10), tolerance=1e-2)).testzip() is None
+    for wrong, sentence in (
+        ({"source": "1/(s^0.5 + 1)"}, "band has no value"),
+        ({}, "source has no value"),
+        ({"clearance": 0.1}, "restitution has no value"),
+        ({"clearance": 0.1, "restitution": 0.5, "band": (1, 2)}, "band has no meaning"),
+        ({"source": pid, "band": (1, 2)}, "band has no meaning"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            fracfit.export_fmu(out=tmp_path / "no.fmu", **wrong)
+    with pytest.raises(ValueError, match="sample_time has no value"):
+        fracfit.export_c99("1/(s + 1)")
+
+
+def test_a_report(tmp_path):
+    pytest.importorskip("fracfit._report")
+    step = os.path.join(EXAMPLES, "step.csv")
+    index = fracfit.report(tmp_path / "report", step, threads=1)
+    assert index.read_text().count("<h2") > 1 and (tmp_path / "report" / "results.json").exists()
+    with pytest.raises(RuntimeError, match="missing.csv"):
+        fracfit.report(tmp_path / "other", tmp_path / "missing.csv")
+
+
+def test_bands_are_those_of_the_command_line(tmp_path):
+    path = tmp_path / "fit.json"
+    path.write_text(command_line.run("fit", CELL, "--model", "zarc", "--format", "json"))
+    theirs = command_line.columns_of("evaluate", "--fit", path, "--omega", "1:100:5log")
+    band = fracfit.fit(fracfit.read(CELL), "zarc").band(theirs["omega_rad_s"])
+    for name, column in band._columns().items():
+        np.testing.assert_allclose(column, theirs[name], rtol=1e-9)  # the file has the correlation in place of the covariance

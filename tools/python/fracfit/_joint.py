@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One structure fitted to many curves together, and the law of the jump over many scenes."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+
+from ._arrays import count, mapping, number, real_array, seed_number, text, texts
+from ._data import FrequencyResponse, TimeSeries
+from ._doors import data_of
+from ._fit import Known, Limits, Priors, _described, _fitting, _known, _one_of, _structure
+from ._model import Model, _Record, realisation_of
+from ._numbers import JointFitNumbers, JumpLawNumbers
+from ._tables import Table
+from ._text import html_table, reporter, short
+from ._words import named
+
+
+@_described("JointFit")
+class JointFit(_Record, JointFitNumbers, Table):
+    """One structure fitted to many curves, with shared parameters and parameters of each curve.
+
+    ``result["K"]`` is the value of a shared parameter; of one that each curve has of its own an array over the curves.
+
+    Attributes
+    ----------
+    priors : list of dict
+        What became of the priors of shared parameters.
+    usable : bool
+    summary : str
+    """
+
+    priors: list[dict[str, Any]]
+    usable: bool
+    summary: str
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Value of each shared parameter, and of those of the laws."""
+        return {each["name"]: each["value"] for each in self.shared}
+
+    @property
+    def ci95(self) -> dict[str, tuple[float, float]]:
+        """Their intervals of 95 %."""
+        return {each["name"]: (each["ci95_lower"], each["ci95_upper"]) for each in self.shared}
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the curves."""
+        return [each["name"] for each in self.curves]
+
+    @property
+    def each(self) -> dict[str, np.ndarray]:
+        """Values of the parameters that are not shared, over the curves."""
+        shared = self.parameters
+        names = [each["name"] for each in self.curves[0]["parameters"]] if self.curves else []
+        return {name: self._over_curves(name, "value") for name in names if name not in shared}
+
+    def _over_curves(self, name: str, key: str) -> np.ndarray:
+        return np.array([next(p[key] for p in curve["parameters"] if p["name"] == name) for curve in self.curves])
+
+    def __getitem__(self, name: str) -> Any:
+        found: dict[str, Any] = {**self.each, **self.parameters}
+        if name not in found:
+            raise KeyError(f"the fit has no parameter {name!r}; it has {', '.join(found)}")
+        return found[name]
+
+    def _columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = {"curve": self.names}
+        for name in self.each:
+            columns[name] = self._over_curves(name, "value")
+            columns[f"{name}_standard_error"] = self._over_curves(name, "standard_error")
+        for i, derived in enumerate(self.curves[0]["derived"] if self.curves else ()):
+            columns[derived["name"]] = [curve["derived"][i]["value"] for curve in self.curves]
+            columns[f"{derived['name']}_standard_error"] = [curve["derived"][i]["standard_error"] for curve in self.curves]
+        return {**columns, "rms": [curve["rms"] for curve in self.curves], "rms_alone": [curve["rms_alone"] for curve in self.curves]}
+
+    def __repr__(self) -> str:
+        own = [f"  {name}: {', '.join(short(float(value)) for value in values)}" for name, values in self.each.items()]
+        return "\n".join([self.summary, *own])
+
+    def _repr_html_(self) -> str:
+        columns = self._columns()
+        rows = [tuple(column[i] for column in columns.values()) for i in range(len(self.curves))]
+        shared = html_table(
+            ["shared", "value", "standard error", "from", "to (95 %)"],
+            [(p["name"], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"]) for p in self.shared],
+            f"{self.model}, {len(self.curves)} curves",
+        )
+        return shared + html_table(list(columns), [[float(cell) if isinstance(cell, np.floating) else cell for cell in row] for row in rows])
+
+
+@named
+def joint_fit(
+    data: Any,
+    model: Model | str,
+    *,
+    shared: str | Sequence[str] = (),
+    each: str | Sequence[str] = (),
+    law: str | Sequence[str] = (),
+    covariates: Sequence[Mapping[str, float]] | None = None,
+    shift: str | None = None,
+    reference: int | str = 0,
+    names: Sequence[str] | None = None,
+    component: str = "both",
+    weight: str = "learned",
+    loss: str = "none",
+    fixed: Known = None,
+    bounds: Limits = None,
+    start: Known = None,
+    prior: Priors = None,
+    constraint: str | Sequence[str] = (),
+    derive: str | Sequence[str] = (),
+    realisation: Mapping[str, Any] | None = None,
+    offset: float | None = None,
+    trend: bool = False,
+    earlier_input: bool = False,
+    seed: int = 1,
+    threads: int = 0,
+    fix: Known = None,
+    bound: Limits = None,
+) -> JointFit:
+    """Fits one structure to many curves at once, with parameters in common.
+
+    Parameters
+    ----------
+    data : sequence, or mapping by name
+        Frequency responses and records over time, side by side, each as of `fit`.
+    model : Model or str
+        As of `fit`.
+    shared, each : str or sequence of str
+        Parameters that all curves have in common, or the other way round those that each has of its own.
+    law : str or sequence of str
+        ``"T = T0 exp(E/(8.314 temperature))"``: a parameter as a law of what is known of each curve; other names are fitted.
+    covariates : sequence of mapping, optional
+        What is known of each curve; numbers in the metadata of the data are known besides.
+    shift : {"horizontal", "both"}, optional
+        Lays the curves on one master curve, by factors aT of the frequency and with both bT of the value.
+    reference : int or str
+        Curve that is not moved, by index or name.
+    names : sequence of str, optional
+        Of the curves.
+    derive : str or sequence of str
+        Quantities computed from the parameters of each curve, see ``curves[i]["derived"]``.
+    component, weight, ...
+        As of `fit`; offset, trend and earlier_input are of records over time.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> omega = np.logspace(-1, 2, 20)
+    >>> curves = [fracfit.Model("K/(0.5 s^0.7 + 1)", K=k).frequency_response(omega) for k in (1, 2)]
+    >>> result = fracfit.joint_fit(curves, "K/(T s^a + 1)", shared=["T", "a"])
+    >>> round(result["a"], 6), result["K"].round(6)
+    (0.7, array([1., 2.]))
+    """
+    if isinstance(data, Mapping) and names is None:
+        names, data = list(data), list(data.values())
+    if isinstance(data, (str, FrequencyResponse, TimeSeries)) or not hasattr(data, "__iter__") or hasattr(data, "columns"):
+        raise ValueError(f"data are of the type {type(data).__name__}; expected a sequence of FrequencyResponse and TimeSeries")
+    curves = [data_of(curve, name=f"data[{i}]") for i, curve in enumerate(data)]
+    labels = [f"curve {i + 1}" for i in range(len(curves))] if names is None else texts(list(names) if isinstance(names, tuple) else names, "names")
+    if len(labels) != len(curves):
+        raise ValueError(f"names are {names!r}; expected one for each of the {len(curves)} curves")
+    formula, starts = _structure(model)
+    known = _covariates(curves, covariates)
+    beforehand = _known(starts, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), start, prior, constraint)
+    laws = texts(law, "law")
+    common = _shared(formula, _words(shared, "shared"), _words(each, "each"), beforehand["fixed"], laws, shift)
+    if shift is not None and shift not in ("horizontal", "both"):
+        raise ValueError(f"shift is {shift!r}; expected horizontal or both")
+    options = {
+        "component": component,
+        "weight": weight,
+        "loss": loss,
+        "realisation": realisation_of(realisation),
+        "offset": None if offset is None else number(offset, "offset"),
+        "trend": bool(trend),
+        "earlier_input": bool(earlier_input),
+        "seed": seed_number(seed),
+        "shared": common,
+        "law": laws,
+        "shift": shift,
+        "reference": _index(reference, labels),
+        "threads": count(threads, "threads"),
+        **beforehand,
+    }
+    return JointFit(_fitting.joint_fit([curve._arrays() for curve in curves], labels, known, formula, options, texts(derive, "derive")))
+
+
+def _words(given: str | Sequence[str], name: str) -> list[str]:
+    listed = given.split(",") if isinstance(given, str) else given
+    if not isinstance(listed, (list, tuple)):
+        raise ValueError(f"{name} is {given!r}; expected names of parameters")
+    return [text(word, name).strip() for word in listed if not isinstance(word, str) or word.strip()]
+
+
+def _shared(formula: str, shared: list[str], each: list[str], fixed: Mapping[str, float], laws: list[str], shift: str | None) -> list[str]:
+    if shared and each:
+        raise ValueError("shared and each say the same the other way round; give one of them")
+    if not shared and not each and not laws and shift is None:
+        raise ValueError("shared, each, law or shift is needed: which parameters the curves have in common")
+    names = Model(_fitting.formula_of(formula)).parameter_names
+    for name in (*shared, *each):
+        if name not in names:
+            raise ValueError(f"{name!r} is no parameter of {formula}; its parameters: {', '.join(names)}")
+    if shared:
+        return shared
+    of_laws = {law.partition("=")[0].strip() for law in laws}
+    return [name for name in names if name not in each and name not in fixed and name not in of_laws]
+
+
+def _covariates(curves: Sequence[Any], given: Sequence[Mapping[str, float]] | None) -> list[list[tuple[str, float]]]:
+    if given is not None and (not isinstance(given, (list, tuple)) or len(given) != len(curves)):
+        raise ValueError(f"covariates are {given!r}; expected a mapping for each of the {len(curves)} curves")
+    found = []
+    for i, curve in enumerate(curves):
+        known: dict[str, float] = {}
+        for key, value in curve.metadata.items():
+            try:
+                known[key] = float(value)
+            except (TypeError, ValueError):
+                continue
+        if given is not None:
+            known.update({name: number(value, f"covariates {name}") for name, value in mapping(given[i], "covariates").items()})
+        found.append(list(known.items()))
+    return found
+
+
+def _index(reference: int | str, labels: list[str]) -> int:
+    if isinstance(reference, str):
+        if reference not in labels:
+            raise ValueError(f"reference {reference!r} is no curve; there are {', '.join(labels)}")
+        return labels.index(reference)
+    index = count(reference, "reference")
+    if index >= len(labels):
+        raise ValueError(f"reference is {index}; expected an index below {len(labels)}")
+    return index
+
+
+@_described("JumpLaw")
+class JumpLaw(_Record, JumpLawNumbers, Table):
+    """Jump frequencies over force and clearance, and their power laws ``w_J = a F^b``.
+
+    Attributes
+    ----------
+    usable : bool
+    summary : str
+    """
+
+    usable: bool
+    summary: str
+
+    def _columns(self) -> dict[str, Any]:
+        unit = {"force": "force_n", "clearance": "clearance_m", "omega_jump": "omega_jump_rad_s"}
+        names = ("force", "clearance", "restitution", "omega_jump")
+        return {unit.get(name, name): np.array([point[name] for point in self.points], dtype=float) for name in names}
+
+    def __repr__(self) -> str:
+        return self.summary
+
+    def _repr_html_(self) -> str:
+        rows = [(each["clearance"], each["law"]["coefficient"], each["law"]["exponent"]) for each in self.laws]
+        return html_table(["clearance, m", "a", "b"], rows, self.summary)
+
+
+@named
+def jump_law(
+    *,
+    restitution: Any = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0),
+    force: Any = (10.0, 20.0, 30.0, 40.0, 50.0),
+    clearance: Any = (0.01, 0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    criterion: str = "two-impact-loss",
+    threads: int = 0,
+    progress: Any = None,
+) -> JumpLaw:
+    """Jump frequency over force and clearance, and its power laws.
+
+    Parameters
+    ----------
+    restitution, force, clearance : array_like
+        Coefficients of restitution that are averaged over, force amplitudes (N) and clearances (m), two or more different
+        ones of the latter two; by default the grid of the paper.
+    criterion : str
+        As of `jump_frequency`.
+
+    Examples
+    --------
+    Similarity has the exponent 1/2 of the force.
+
+    >>> import fracfit
+    >>> law = fracfit.jump_law(restitution=[0.5], force=[10, 20], clearance=[0.1, 0.2])
+    >>> round(law.laws[0]["law"]["exponent"], 9)
+    0.5
+    """
+    lists = [real_array(np.atleast_1d(value), name) for name, value in (("force", force), ("clearance", clearance), ("restitution", restitution))]
+    masses = number(mass1, "mass1"), number(mass2, "mass2")
+    found = _fitting.jump_law(*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
+    return JumpLaw(found)

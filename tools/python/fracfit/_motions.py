@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Motions of two masses with a clearance over time, and which of them each start leads to."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._arrays import count, number, pair, real_array, text
+from ._data import TimeSeries
+from ._model import Model, _Record
+from ._tables import Table
+from ._text import reporter
+from ._words import named
+
+
+class _Motion(_Record, Table):
+    """Positions and velocities of two masses over time."""
+
+    time: np.ndarray
+    x1: np.ndarray
+    v1: np.ndarray
+    x2: np.ndarray
+    v2: np.ndarray
+    event_code: np.ndarray
+    _words: tuple[str, ...] = ()
+
+    @property
+    def event(self) -> np.ndarray:
+        """What each row shows."""
+        return np.array(self._words)[self.event_code]
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return len(self.time)
+
+    def _columns(self) -> dict[str, Any]:
+        columns = {name: getattr(self, name) for name in ("time", "x1", "v1", "x2", "v2", "force") if name in self.__dict__}
+        columns["event"] = self.event
+        unit = {"time": "_s", "x1": "_m", "x2": "_m", "v1": "_m_s", "v2": "_m_s", "force": "_n"}
+        return {name + unit.get(name, ""): column for name, column in columns.items()}
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.size} rows, 0 to {self.time[-1] if self.size else 0:g} s)"
+
+    def _repr_html_(self) -> str:
+        return f"<p><strong>{self!r}</strong></p>"
+
+
+class History(_Motion):
+    """Positions and velocities of two masses with backlash over time, exact at every impact.
+
+    Attributes
+    ----------
+    time, x1, v1, x2, v2 : ndarray
+        s, m and m/s; the force is at its peak at time 0.
+    event : ndarray of str
+        sample, before-impact, after-impact, rest-begin or release.
+    contact : ndarray of str
+        none, or the wall that the masses are at: near or far.
+    complete : bool
+        False where the millionth impact ended it early.
+    usable : bool
+        False where the periods to skip held more impacts than can be followed.
+    """
+
+    contact_code: np.ndarray
+    complete: bool
+    usable: bool
+    _words = _core.history_events
+
+    @property
+    def contact(self) -> np.ndarray:
+        """Wall that the masses are at in each row."""
+        return np.array(["none", "near", "far"])[self.contact_code]
+
+    def _columns(self) -> dict[str, Any]:
+        return {**super()._columns(), "contact": self.contact}
+
+
+class LoopMotion(_Motion):
+    """Motion of a loop around two bodies with backlash.
+
+    Attributes
+    ----------
+    time, x1, v1, x2, v2, force : ndarray
+        s, m, m/s, and the controller's force on body 2 in N.
+    event : ndarray of str
+        sample, before-impact, after-impact, contact (the bodies stay together from there on) or release.
+    impacts : int
+        Their number.
+    end : str
+        duration, rest, most-impacts, most-flights or diverged: why it ended.
+    end_time : float
+        In seconds.
+    realisation_error : float
+        Largest relative error of fractional powers as sums of exponentials.
+    note : str
+        Of a sampled controller what differs from what was asked.
+    """
+
+    force: np.ndarray
+    _words = _core.loop_events
+    impacts: int
+    end: str
+    end_time: float
+    realisation_error: float
+    note: str
+
+
+class Basins(_Record, Table):
+    """Which long-run motion each start leads to.
+
+    Attributes
+    ----------
+    position, velocity : ndarray
+        Of the starts, of x2 - x1: m, m/s.
+    attractor : ndarray of int
+        Index into `attractors` for each position (row) and velocity (column).
+    attractors : list of dict
+        Those of many starts first: regime, period, impacts_per_period, symmetric, response (m/N), uncertainty, starts.
+    attracts : bool
+        False at restitution 1, where nothing attracts and the motions of the starts are listed.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    attractor: np.ndarray
+    attractors: list[dict[str, Any]]
+    attracts: bool
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Share of the starts that lead to each of them."""
+        return np.array([each["starts"] for each in self.attractors]) / self.attractor.size
+
+    def _columns(self) -> dict[str, Any]:
+        position, velocity = np.meshgrid(self.position, self.velocity, indexing="ij")
+        return {"position_m": position.reshape(-1), "velocity_m_s": velocity.reshape(-1), "attractor": self.attractor.reshape(-1)}
+
+    def __repr__(self) -> str:
+        lines = [f"Basins({self.attractor.shape[0]} x {self.attractor.shape[1]} starts, {len(self.attractors)} motions)"]
+        for share, each in zip(self.shares, self.attractors):
+            period = f", period {each['period']}" if each["period"] else ""
+            lines.append(f"  {100 * share:.3g} %: {each['regime']}{period}, {each['impacts_per_period']:g} impacts per period")
+        return "\n".join(lines)
+
+
+@named
+def history(
+    omega: float,
+    *,
+    restitution: float,
+    force: float = 1.0,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    position: float | None = None,
+    velocity: float = 0.0,
+    skip: int = 0,
+    periods: int = 5,
+    samples: int = 100,
+) -> History:
+    """Positions and velocities of two masses with backlash under a sine force, exact at every impact.
+
+    Parameters
+    ----------
+    omega : float
+        rad/s, of the force, which is at its peak at time 0.
+    position, velocity : float
+        Of x2 - x1 at the start, m (mid-gap if not given) and m/s.
+    skip, periods, samples : int
+        Force periods before the first row, and to follow from there; rows per period, besides two per impact.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> motion = fracfit.history(20.0, restitution=0.6, force=40, clearance=0.3, skip=200, periods=2)
+    >>> int((motion.event == "before-impact").sum())  # two in each period
+    4
+    """
+    scene = _scene(mass1, mass2, clearance, restitution, force, omega)
+    start = None if position is None else number(position, "position")
+    found = _core.history(scene, start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"), count(samples, "samples"))
+    return History(found)
+
+
+@named
+def basins(
+    omega: float,
+    *,
+    restitution: float,
+    force: float = 1.0,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    position: Any = None,
+    velocity: Any = None,
+    body: str = "x1",
+    threads: int = 0,
+    progress: Any = None,
+) -> Basins:
+    """Which long-run motion of two masses with backlash each start leads to, at one frequency.
+
+    Parameters
+    ----------
+    omega : float
+        rad/s, of the force, which is at its peak at the start.
+    position, velocity : array_like, optional
+        Of x2 - x1, m and m/s; 41 from wall to wall, and 41 up to clearance times omega either way, if not given.
+    progress : bool or function of (done, total), optional
+        As of `describing_function`.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> found = fracfit.basins(1.41, restitution=0.6, position=[0.2, 0.5, 0.8], velocity=[-1, 0, 1])
+    >>> found.attractor.shape, int(sum(each["starts"] for each in found.attractors))
+    ((3, 3), 9)
+    """
+    scene = _scene(mass1, mass2, clearance, restitution, force, omega)
+    per_side = 41
+    width, speed = scene[2], scene[2] * scene[5]
+    positions = np.linspace(0, width, per_side) if position is None else real_array(np.atleast_1d(position), "position")
+    velocities = np.linspace(-speed, speed, per_side) if velocity is None else real_array(np.atleast_1d(velocity), "velocity")
+    return Basins(
+        _core.basins(scene, positions, velocities, text(body, "body"), count(threads, "threads"), reporter(progress, "basins"))
+    )
+
+
+@named
+def loop(
+    controller: Model | str,
+    *,
+    restitution: float,
+    clearance: float = 1.0,
+    mass1: float | None = None,
+    mass2: float | None = None,
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
+    body: str = "x1",
+    velocity1: float = 0.0,
+    velocity2: float = 0.0,
+    setpoint_step: float = 0.0,
+    setpoint_ramp: float = 0.0,
+    setpoint_sine: tuple[float, float] | None = None,
+    setpoint: TimeSeries | tuple[Any, Any] | None = None,
+    duration: float = 100.0,
+    every: float = 0.0,
+    sample_time: float | None = None,
+    force_limit: float = math.inf,
+    tolerance: float = 1e-8,
+    whole_memory: bool = False,
+    impacts: int = 2000,
+) -> LoopMotion:
+    """Motion of a loop around two bodies with backlash: impacts, rests in contact, limits of the actuator.
+
+    Parameters
+    ----------
+    controller, restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body
+        As of `limit_cycles`.
+    velocity1, velocity2 : float
+        m/s at the start; both bodies have rested at 0, in the middle of the clearance, until then.
+    setpoint_step, setpoint_ramp : float
+        m, m/s: what the measured position should be from time 0 on.
+    setpoint_sine : (float, float), optional
+        Amplitude (m) and frequency (rad/s) of a sine in it.
+    setpoint : (array_like, array_like) or TimeSeries, optional
+        Instants (s, from 0 on) and values (m) of a further part, straight between them; of a record its input.
+    duration, every : float
+        s: time to follow, and between rows besides two per impact (0: none).
+    sample_time : float, optional
+        s: the controller runs in a computer as kp + ki/s^lambda + kd s^mu, its force held between samples.
+    force_limit : float
+        N, of the actuator.
+    tolerance : float
+        Of fractional powers of s as sums of exponentials.
+    whole_memory : bool
+        Sums over all earlier impacts instead, exact; the work grows as their square.
+    impacts : int
+        To follow at most.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> motion = fracfit.loop("1 + s^0.5", restitution=0.6, velocity2=1, duration=60)
+    >>> motion.end, motion.impacts == (motion.event == "before-impact").sum()
+    ('duration', True)
+    """
+    from ._backlash import _bodies, _model
+
+    instants: Any = None
+    values: Any = None
+    if isinstance(setpoint, TimeSeries):
+        instants, values = setpoint.time, setpoint.input
+    elif setpoint is not None:
+        try:
+            instants, values = setpoint
+        except (TypeError, ValueError):
+            raise ValueError(f"setpoint is {setpoint!r}; expected instants and values, or a TimeSeries") from None
+        instants = real_array(instants, "instants of setpoint")
+        values = real_array(values, "values of setpoint", instants.shape)
+    if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
+        wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
+        raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
+    given = {
+        "velocity1": number(velocity1, "velocity1"),
+        "velocity2": number(velocity2, "velocity2"),
+        "setpoint_step": number(setpoint_step, "setpoint_step"),
+        "setpoint_ramp": number(setpoint_ramp, "setpoint_ramp"),
+        "setpoint_sine": None if setpoint_sine is None else pair(setpoint_sine, "setpoint_sine"),
+        "setpoint_time": instants,
+        "setpoint_value": values,
+        "duration": number(duration, "duration"),
+        "every": number(every, "every"),
+        "sample_time": None if sample_time is None else number(sample_time, "sample_time"),
+        "force_limit": number(force_limit, "force_limit"),
+        "tolerance": number(tolerance, "tolerance"),
+        "whole_memory": bool(whole_memory),
+        "impacts": count(impacts, "impacts"),
+    }
+    bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
+    found = _core.loop(_model(controller)._tf, bodies, given)
+    return LoopMotion(found)
+
+
+def _scene(*values: Any) -> tuple[float, ...]:
+    return tuple(number(value, name) for value, name in zip(values, ("mass1", "mass2", "clearance", "restitution", "force", "omega")))
