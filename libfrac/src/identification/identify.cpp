@@ -14,6 +14,7 @@
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
+#include "identification/data/physical_properties.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
@@ -21,6 +22,7 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 
@@ -60,6 +62,7 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   result.model = curve.name;
   result.cost = information.cost;
   result.rms = information.rms;
+  result.relative_rms = information.rms / rule.unit;
   result.max_residual = information.max_residual;
   result.aicc = information.aicc;
   result.bic = information.bic;
@@ -125,6 +128,13 @@ detail::FamilyMembers grown_member(const TimeResponseData& data, const NamedMode
   return detail::best_member(data, model, options);
 }
 
+bool excludes_dead_time(const FitOptions& options) {
+  return options.assumptions.dead_time == false;
+}
+bool excludes_dead_time(const TimeFitOptions&) {
+  return false;
+}
+
 /// @param ratios  shared by all families of the data
 template <class Data, class Options>
 void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
@@ -143,12 +153,22 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, de
   try {
     outcome.from_family = outcome.model.is_family();
     if (outcome.from_family) {
+      if (excludes_dead_time(options) && outcome.model.rational && outcome.model.rational->dead_time) {
+        outcome.refuted = true;
+        outcome.reason = "it has a dead time, and the system has none";
+        return;
+      }
       resolve(data, options, ratios, outcome);
       of_model.global_start = false;
     }
     const auto& own = outcome.model.constraints;
     of_model.constraints.insert(of_model.constraints.end(), own.begin(), own.end());
     const Structure structure(outcome.model.formula);
+    if (excludes_dead_time(options) && detail::has_dead_time(structure)) {
+      outcome.refuted = true;
+      outcome.reason = "it has a dead time, and the system has none";
+      return;
+    }
     // Intervals that follow the cost decide about orders, which rational models have none of.  Those of the many
     // coefficients of a grown model say nothing of a part of the system.
     const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
@@ -285,6 +305,9 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   result.chosen = chosen_of(result.ranking);
   detail::judge(result, data, options, competitors, skipped_rivals);
   keep_to_verdict(result);
+  detail::keep_to_assumptions(result, data, options, competitors);
+  const RankedFit& chosen = result.ranking.at(result.chosen);
+  if (!chosen.model.remark.empty()) result.notes.push_back(chosen.model.remark);
   return result;
 }
 

@@ -300,6 +300,9 @@ def fit(
     loss_scale: float | None = None,
     seed: int = 1,
     global_start: bool = True,
+    stable: bool | None = None,
+    dead_time: bool | None = None,
+    passive: bool = False,
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
@@ -338,6 +341,13 @@ def fit(
         Of the multi-start; the same seed gives the same result.
     global_start : bool
         False: one local solve from the given starts.
+    stable : bool, optional
+        Whether the system of a response has no pole right of the imaginary axis: True whatever the data say, None unless
+        they speak against it.
+    dead_time : bool, optional
+        Whether it has a dead time: True as likely as none, False never, None where the data speak for one.
+    passive : bool
+        The response is an immittance of a passive system, whose real part is nowhere negative.
     offset, trend, earlier_input
         Over time: what the output shows at rest (estimated if None), a drift, an unknown input before the record.
 
@@ -373,6 +383,9 @@ def fit(
         "loss_scale": loss_scale,
         "seed": seed_number(seed),
         "global_start": global_start,
+        "stable": stable,
+        "dead_time": dead_time,
+        "passive": passive,
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
@@ -389,7 +402,7 @@ def fit(
 
 
 # Options that mean something for one kind of data alone.
-_OF_RESPONSES = ("component", "weight", "realisation", "noise_floor")
+_OF_RESPONSES = ("component", "weight", "realisation", "noise_floor", "stable", "dead_time", "passive")
 _OF_RECORDS = ("offset", "trend", "earlier_input")
 
 
@@ -578,6 +591,9 @@ def identify(
     outliers: str = "leave-out",
     realisation: Mapping[str, Any] | None = None,
     seed: int = 1,
+    stable: bool | None = None,
+    dead_time: bool | None = None,
+    passive: bool = False,
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
@@ -612,6 +628,9 @@ def identify(
         "outliers": outliers,
         "realisation": realisation_of(realisation),
         "seed": seed_number(seed),
+        "stable": stable,
+        "dead_time": dead_time,
+        "passive": passive,
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
@@ -619,7 +638,7 @@ def identify(
     _refuse_idle(data, options, identify)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
-    _warn(found.pop("notes"))
+    _warn(found.pop("said"))
     for each in ("verdict_sentence", "summary"):
         found[each] = _with_advice(found[each], found["advice"])
     for each in found["ranking"]:
