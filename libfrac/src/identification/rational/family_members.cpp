@@ -53,7 +53,6 @@ bool approximates(const RationalProblem& problem, const RationalLadder& ladder) 
 struct Grown {
   FamilyMembers members;
   RationalFit chosen;
-  double value = 0;  // of the chosen one, see RationalLadder
 };
 
 Grown grown_family(const RationalProblem& problem, const RationalFamily& family, Component component,
@@ -61,12 +60,8 @@ Grown grown_family(const RationalProblem& problem, const RationalFamily& family,
   const RationalKind kind{family.dead_time, family.free_order};
   Grown grown;
   FamilyMembers& members = grown.members;
-  const auto take = [&](const RationalFit& fit) {
-    grown.chosen = fit;
-    grown.value = schwarz(problem, fit) + price_of_search(problem, fit.shape);
-  };
   if (family.zeros) {
-    take(fit_rational(problem, *family.zeros, family.fewest_poles, kind));
+    grown.chosen = fit_rational(problem, *family.zeros, family.fewest_poles, kind);
     members.models.push_back(written_out(problem, grown.chosen.shape, component));
     return grown;
   }
@@ -77,7 +72,7 @@ Grown grown_family(const RationalProblem& problem, const RationalFamily& family,
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
   if (ladder.fits.empty()) return grown;
-  take(ladder.fits[ladder.chosen]);
+  grown.chosen = ladder.fits[ladder.chosen];
   const RationalFit& best = grown.chosen;
   members.exact = ladder.fits.back().cost <= problem.negligible_cost();
   if (!family.free_order) {
@@ -114,7 +109,7 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   Grown held = grown_family(left, family, options.component, ratios.stable());
   if (stable == true || held.members.models.empty()) return held.members;
   const auto leftover = [&](const Grown& grown) {
-    return Leftover{grown.value, std::sqrt(grown.chosen.cost / static_cast<double>(left.rows())),
+    return Leftover{std::sqrt(grown.chosen.cost / static_cast<double>(left.rows())),
                     left.correlation(grown.chosen.shape)};
   };
   const double evidence = evidence_against(leftover(held), leftover(free), left.rows());

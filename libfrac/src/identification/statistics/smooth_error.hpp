@@ -2,31 +2,35 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "identification/statistics/autocorrelation.hpp"
 
 namespace frac::detail {
 
-/// Standard deviation of the smooth error that a measurement is taken to have, of the data: cables, calibration, drift.
-inline constexpr double typical_smooth_error = 0.01;
+/// Standard deviation of the smooth error that a measurement is taken to have, of the data: cables, calibration and
+/// drift leave a per cent, but averaging that has brought the noise down to less than a tenth of that is seldom done on
+/// data with so much of it; computed data have none.
+/// @param noise  of the data
+[[nodiscard]] inline double usual_smooth_error(double noise) {
+  return std::min(0.01, 10 * noise);
+}
 
 /// What a model leaves of the data.
 struct Leftover {
-  double value;        // of its Schwarz criterion, n ln(cost/n) and the price of its parameters
   double rms;          // of the data
   double correlation;  // of neighbours
 };
 
 /// Evidence (twice the logarithm of odds) against a model that is taken to be the truth, by a rival that is not.  What
-/// the truth leaves is noise and a smooth error.  So as many residuals carry news as their correlation leaves
-/// independent; and where they are larger than noise, of the size of what the rival leaves, and a smooth error of usual
-/// size make them together, each is the less likely for it.
+/// the truth leaves is noise, of the size of what the rival leaves, and a smooth error of usual size; the more it leaves
+/// beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.
 /// @param residuals  count
 [[nodiscard]] inline double evidence_against(const Leftover& held, const Leftover& rival, std::size_t residuals) {
-  const double usual = rival.rms * rival.rms + typical_smooth_error * typical_smooth_error;
-  const double beyond = static_cast<double>(residuals) * (held.rms * held.rms - rival.rms * rival.rms) / usual;
-  return independent_share(held.correlation) * std::max(held.value - rival.value, beyond);
+  const double noise = rival.rms * rival.rms, smooth = std::pow(usual_smooth_error(rival.rms), 2);
+  const double beyond = (held.rms * held.rms - noise) / (noise + smooth);
+  return static_cast<double>(residuals) * independent_share(held.correlation) * beyond;
 }
 
 }  // namespace frac::detail

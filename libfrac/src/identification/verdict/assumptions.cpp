@@ -66,7 +66,7 @@ void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseDa
   }
   const Competitor& without = competitors[*best];
   const auto leftover = [&](const Competitor& each) {
-    return Leftover{criterion(each), each.ranked.fit.relative_rms,
+    return Leftover{each.ranked.fit.relative_rms,
                     autocorrelation(each.residual, residuals_per_point(data, options), 1)};
   };
   const double evidence = evidence_against(leftover(without), leftover(chosen), chosen.residual.size());
