@@ -228,6 +228,28 @@ TEST(Zeros, EverywhereAreRefused) {
                std::invalid_argument);
 }
 
+std::size_t words_in(const std::string& text) {
+  std::istringstream words(text);
+  std::size_t count = 0;
+  for (std::string word; words >> word;) ++count;
+  return count;
+}
+
+// What a person reads at a glance.
+TEST(VerdictSentence, HasAtMost35Words) {
+  for (const char* formula : {"2/(0.5 s^0.6 + 1)", "2/(0.5 s + 1)", "1/(s^2 + 0.1 s^0.95 + 1)",
+                              "tanh(s^0.5)/(s^0.5 + 0.1 s)", "1/(s + 1) + 1/(0.8 s^0.97 + 1)"}) {
+    for (const double noise : {0.001, 0.1}) {
+      const auto result =
+          frac::identify(support::noisy_response(formula, {}, noise, 1, 24),
+                         {frac::find_model("fractional-lag"), frac::find_model("oscillator"), frac::find_model("lag")},
+                         {}, support::both_parts(), 1);
+      EXPECT_LE(words_in(result.verdict_sentence), 35U) << result.verdict_sentence;
+      EXPECT_FALSE(result.notes.empty()) << result.verdict_sentence;
+    }
+  }
+}
+
 // A lag of order 0.5 fitted by one of order 1 leaves a smooth misfit and rounding: no noise, so no floor of it.
 TEST(LearnedFloor, IsNotTakenFromAMisfit) {
   for (const char* formula :

@@ -36,6 +36,16 @@ std::string axis_unit(const FitRun& run) {
   return " " + (run.over_time ? "s" : std::string(to_string(run.frequency_unit)));
 }
 
+/// A line of what the options say of the system; empty where they say nothing.
+std::string told_assumptions(const frac::Assumptions& assumptions) {
+  std::string text;
+  const auto add = [&](const char* each) { text += (text.empty() ? "\nassumed    " : ", ") + std::string(each); };
+  if (assumptions.stable) add(*assumptions.stable ? "stable" : "perhaps unstable");
+  if (assumptions.dead_time) add(*assumptions.dead_time ? "with a dead time or without" : "no dead time");
+  if (assumptions.passive) add("passive");
+  return text;
+}
+
 std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
                      short_number(on_axis(run, run.lower)) + " .. " + short_number(on_axis(run, run.upper)) +
@@ -58,6 +68,7 @@ std::string heading(const FitRun& run) {
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
   if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
   if (run.validity) text += "\nvalidity   " + run.validity_sentence;
+  if (run.assumptions) text += told_assumptions(*run.assumptions);
   return text + "\n";
 }
 
