@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -123,6 +124,7 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   held.members.models[held.members.chosen].remark =
       "The system is taken to be stable: a model with poles right of the imaginary axis leaves " + closer +
       " of the data (rms), this one " + of_stable + ".";
+  held.members.set_aside = std::make_shared<const FamilyMembers>(std::move(free.members));
   return held.members;
 }
 
@@ -173,13 +175,17 @@ FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& m
 
 FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
                           RatioGrowths& ratios) {
-  FamilyMembers members = members_of(data, model, options, ratios);
-  NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
-  best.ends_its_family =
-      open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
-  members.models = {std::move(best)};
-  members.chosen = 0;
+  const auto best_of = [&](FamilyMembers members) {
+    NamedModel& best = members.models.at(members.chosen);
+    best.ends_its_family =
+        open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
+    members.models = {std::move(best)};
+    members.chosen = 0;
+    return members;
+  };
+  FamilyMembers members = best_of(members_of(data, model, options, ratios));
+  if (members.set_aside) members.set_aside = std::make_shared<const FamilyMembers>(best_of(*members.set_aside));
   return members;
 }
 
