@@ -333,7 +333,7 @@ FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& str
   const auto leftover = [&](const FitResult& result) {
     const std::vector<double> residual = detail::weighted_residuals(data, any, result);
     return detail::Leftover{result.relative_rms,
-                            detail::autocorrelation(residual, detail::residuals_per_point(data, any), 1)};
+                            detail::autocorrelation(residual, detail::residuals_per_point(data, any), 1), 0};
   };
   const double evidence = detail::evidence_against(leftover(held), leftover(free), free.residuals);
   if (!stable && evidence > price_of_assumption()) {

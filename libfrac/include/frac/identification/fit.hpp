@@ -62,7 +62,7 @@ struct ParameterPrior {
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that
 /// Structure::parameter_keeps_sign() names is positive (fitted as its logarithm) unless a lower limit is given, any
 /// other, a gain, has either sign (but the outer one in a fit of magnitudes), an order lies in [0, 4], or [-4, 4] when
-/// it stands in no sum, a delay in [0, 2 pi/lowest omega].  ParameterEstimate tells the limits that were in force.
+/// it stands in no sum, a delay in [0, 2 pi/lowest omega], but up to pi/(least distance of two omega) at most.
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;
@@ -76,13 +76,13 @@ struct ParameterConstraint {
   bool positive = false;
 };
 
-/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it by
-/// more than price_of_assumption(): then it is dropped, and the answer says so.
+/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it, for
+/// poles and passivity by more than price_of_assumption(): then it is dropped, and the answer says so.
 struct Assumptions {
-  /// No pole right of the imaginary axis; integrators and undamped modes are allowed.  true: whatever the data say,
-  /// where models are grown by poles; false: nothing is assumed.  Unset: assumed.
+  /// No pole right of the imaginary axis; integrators and undamped modes are allowed.  true: whatever the data say;
+  /// false: nothing is assumed.  Unset: assumed.
   std::optional<bool> stable;
-  /// true: a dead time is as likely as none.  false: no model has one.  Unset: one has to pay the price.
+  /// true: a dead time is as likely as none.  false: no model has one.  Unset: it pays for its parameter.
   std::optional<bool> dead_time;
   /// The response is an immittance of a passive system: its real part is nowhere negative.  Models that keep to it are
   /// preferred, and it is said of the one chosen.

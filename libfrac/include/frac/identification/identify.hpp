@@ -65,7 +65,7 @@ struct NextMeasurement {
 /// the other class than its own, the finalist of that class, and where it is undecided the finalist of greater
 /// evidence, if that follows the data with fewer parameters.  One that is unstable, or has a dead time or a negative
 /// real part, against the FitOptions::assumptions, is set aside for the best of its class that keeps to them, unless
-/// the data speak against that one by more than price_of_assumption() for each.
+/// the data speak against that one.  The verdict compares candidates whatever is assumed of poles.
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
 /// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and

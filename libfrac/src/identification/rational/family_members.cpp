@@ -12,6 +12,7 @@
 #include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/statistics/information.hpp"
 #include "identification/statistics/smooth_error.hpp"
 #include "rational_growth.hpp"
 #include "rational_model.hpp"
@@ -110,8 +111,9 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   Grown held = grown_family(left, family, options.component, ratios.stable());
   if (stable == true || held.members.models.empty()) return held.members;
   const auto leftover = [&](const Grown& grown) {
-    return Leftover{std::sqrt(grown.chosen.cost / static_cast<double>(left.rows())),
-                    left.correlation(grown.chosen.shape)};
+    const auto rows = static_cast<double>(left.rows());
+    return Leftover{std::sqrt(grown.chosen.cost / rows), left.correlation(grown.chosen.shape),
+                    price_of_parameters(static_cast<double>(grown.chosen.parameters), rows)};
   };
   const double evidence = evidence_against(leftover(held), leftover(free), left.rows());
   const std::string closer = share_of_data(left, free.chosen), of_stable = share_of_data(left, held.chosen);

@@ -21,16 +21,18 @@ namespace frac::detail {
 struct Leftover {
   double rms;          // of the data
   double correlation;  // of neighbours
+  double price;        // of its parameters by Schwarz's criterion
 };
 
 /// Evidence (twice the logarithm of odds) against a model that is taken to be the truth, by a rival that is not.  What
 /// the truth leaves is noise, of the size of what the rival leaves, and a smooth error of usual size; the more it leaves
-/// beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.
+/// beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.  A model
+/// that needs more parameters than the rival, such as poles and zeros that approximate one of the rival's, pays for them.
 /// @param residuals  count
 [[nodiscard]] inline double evidence_against(const Leftover& held, const Leftover& rival, std::size_t residuals) {
   const double noise = rival.rms * rival.rms, smooth = std::pow(usual_smooth_error(rival.rms), 2);
   const double beyond = (held.rms * held.rms - noise) / (noise + smooth);
-  return static_cast<double>(residuals) * independent_share(held.correlation) * beyond;
+  return static_cast<double>(residuals) * independent_share(held.correlation) * beyond + held.price - rival.price;
 }
 
 }  // namespace frac::detail

@@ -8,6 +8,7 @@
 #include "base/short_text.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/physical_properties.hpp"
+#include "identification/statistics/information.hpp"
 #include "identification/statistics/smooth_error.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/ruling.hpp"
@@ -93,7 +94,8 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
     return;
   }
   const auto leftover = [&](std::size_t i) {
-    return Leftover{candidates[i].ranked.fit.relative_rms, candidates.correlation(i)};
+    return Leftover{candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
+                    price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
   };
   const double evidence = evidence_against(leftover(*without), leftover(chosen), candidates[chosen].residual.size());
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
