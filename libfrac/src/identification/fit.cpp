@@ -336,7 +336,7 @@ FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& str
                             detail::autocorrelation(residual, detail::residuals_per_point(data, any), 1), 0};
   };
   const double evidence = detail::evidence_against(leftover(held), leftover(free), free.residuals);
-  if (!stable && evidence > price_of_assumption()) {
+  if (!stable && evidence > detail::price_of_assumption) {
     free.message += " The data speak against a stable system: the best stable model of this formula leaves " +
                     share_of_data(held) + " of the data (rms), this one " + share_of_data(free) + ".";
     free.seconds = held.seconds;

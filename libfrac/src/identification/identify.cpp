@@ -47,7 +47,7 @@ struct Outcome {
   /// Whether it stands for an unstable member of its family, which follows the data closer and takes its part in the
   /// verdict: that is about orders, whatever is assumed of poles.
   bool stands_in = false;
-  std::shared_ptr<Outcome> set_aside = nullptr;  // that member
+  std::shared_ptr<Outcome> set_aside = nullptr;  // the other one of the two
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -145,6 +145,7 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
   outcome.approximates = members.approximates;
+  outcome.stands_in = members.stands_in;
 }
 
 /// @param ratios  shared by all families of the data
@@ -153,7 +154,6 @@ void resolve(const Data& data, const Options& options, detail::RatioGrowths& rat
   const detail::FamilyMembers members = grown_member(data, outcome.model, options, ratios);
   take(members, outcome);
   if (!members.set_aside) return;
-  outcome.stands_in = true;
   outcome.set_aside = std::make_shared<Outcome>();
   take(*members.set_aside, *outcome.set_aside);
 }
@@ -282,11 +282,11 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   }
   parallel_for(outcomes.size() - families, threads,
                [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[families + i]); });
-  std::vector<Outcome> unstable;
+  std::vector<Outcome> others;
   for (const Outcome& outcome : outcomes) {
-    if (outcome.set_aside) unstable.push_back(*outcome.set_aside);
+    if (outcome.set_aside) others.push_back(*outcome.set_aside);
   }
-  outcomes.insert(outcomes.end(), unstable.begin(), unstable.end());
+  outcomes.insert(outcomes.end(), others.begin(), others.end());
   start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};
@@ -303,9 +303,8 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
-    competitors.push_back(
-        {std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates,
-         outcome.stands_in});
+    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations,
+                           outcome.approximates, outcome.stands_in});
   }
   detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());

@@ -76,8 +76,8 @@ struct ParameterConstraint {
   bool positive = false;
 };
 
-/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it, for
-/// poles and passivity by more than price_of_assumption(): then it is dropped, and the answer says so.
+/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it: then
+/// it is dropped, and the answer says so.
 struct Assumptions {
   /// No pole right of the imaginary axis; integrators and undamped modes are allowed.  true: whatever the data say;
   /// false: nothing is assumed.  Unset: assumed.
@@ -88,12 +88,6 @@ struct Assumptions {
   /// preferred, and it is said of the one chosen.
   bool passive = false;
 };
-
-/// Evidence (twice the logarithm of odds) that has to speak against an assumption that nobody has confirmed: odds of a
-/// thousand to one beforehand.  An unstable system is measured in a loop only, and those who measure it know.
-[[nodiscard]] constexpr double price_of_assumption() {
-  return 13.8;
-}
 
 struct FitOptions {
   Component component = Component::both;

@@ -117,17 +117,16 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   };
   const double evidence = evidence_against(leftover(held), leftover(free), left.rows());
   const std::string closer = share_of_data(left, free.chosen), of_stable = share_of_data(left, held.chosen);
-  if (evidence > price_of_assumption()) {
-    free.members.models[free.members.chosen].remark =
-        "The data speak against a stable system: the best stable model of the family leaves " + of_stable +
-        " of the data (rms), this one " + closer + ".";
-    return free.members;
-  }
-  held.members.models[held.members.chosen].remark =
-      "The system is taken to be stable: a model with poles right of the imaginary axis leaves " + closer +
-      " of the data (rms), this one " + of_stable + ".";
-  held.members.set_aside = std::make_shared<const FamilyMembers>(std::move(free.members));
-  return held.members;
+  const bool refuted = evidence > price_of_assumption;
+  held.members.stands_in = true;
+  FamilyMembers taken = std::move(refuted ? free.members : held.members);
+  taken.set_aside = std::make_shared<const FamilyMembers>(std::move(refuted ? held.members : free.members));
+  taken.models[taken.chosen].remark =
+      refuted ? "The data speak against a stable system: the best stable model of the family leaves " + of_stable +
+                    " of the data (rms), this one " + closer + "."
+              : "The system is taken to be stable: a model with poles right of the imaginary axis leaves " + closer +
+                    " of the data (rms), this one " + of_stable + ".";
+  return taken;
 }
 
 FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {

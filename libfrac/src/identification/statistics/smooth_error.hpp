@@ -17,6 +17,13 @@ namespace frac::detail {
   return std::min(0.01, 10 * noise);
 }
 
+/// Evidence (twice the logarithm of odds) that has to speak against an assumption that nobody has confirmed, odds of a
+/// million to one beforehand.  An unstable system cannot be measured without a loop around it, so that those who measure
+/// one know; and a smooth error, which no stable system makes, may save an unstable model some parameters.
+inline constexpr double price_of_assumption = 27.6;
+/// The same for a dead time, odds of ten to one.
+inline constexpr double price_of_dead_time = 4.6;
+
 /// What a model leaves of the data.
 struct Leftover {
   double rms;          // of the data

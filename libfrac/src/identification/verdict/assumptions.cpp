@@ -11,7 +11,6 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/smooth_error.hpp"
 #include "identification/verdict/finalists.hpp"
-#include "identification/verdict/ruling.hpp"
 #include "identification/verdict/verdict_sentence.hpp"
 
 namespace frac::detail {
@@ -100,7 +99,7 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
   const double evidence = evidence_against(leftover(*without), leftover(chosen), candidates[chosen].residual.size());
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
   const bool excluded = options.assumptions.stable == true && taken.unstable;
-  if (evidence > count * price_of_assumption() && !excluded) {
+  if (evidence > count * price_of_assumption && !excluded) {
     result.notes.push_back("The data speak for " + what + ": " + comparison + ".");
     return;
   }
@@ -121,7 +120,7 @@ void keep_to_no_dead_time(IdentificationResult& result, Candidates& candidates) 
   const double evidence = (criterion(candidates[*without]) - criterion(candidates[chosen])) *
                           independent_share(candidates.correlation(*without));
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
-  if (evidence > no_evidence) {
+  if (evidence > price_of_dead_time) {
     result.notes.push_back("The data speak for a dead time: " + comparison + ".");
     return;
   }
