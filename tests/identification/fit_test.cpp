@@ -473,7 +473,9 @@ TEST(Fit, RefusesContradictionsByName) {
   sampled.realisation = frac::GrunwaldLetnikovRealisation{1e-3, 1'000'000};
   expect_contains(refusal(data, "K/(T s^a + 1)", sampled), "memory of 1000000");
   expect_contains(refusal({{1.0}, {{1, 1}}}, "K/(T s^a + 1)", {}), "cannot determine 3");
-  expect_contains(refusal({{1.0, 2.0}, {{1, 1}, {0, 0}}}, "K", {}), "omega = 2");
+  FitOptions logarithmic;
+  logarithmic.weight = Weight::log_complex;
+  expect_contains(refusal({{1.0, 2.0}, {{1, 1}, {0, 0}}}, "K", logarithmic), "omega = 2");
 }
 
 // Of a response without real part only the imaginary one is data: a constant that goes with it stays unknown, where

@@ -100,6 +100,7 @@ TEST(PublicHeaders, EveryMemberOfADescribedResultIsDescribed) {
                                         "IdentificationResult::differ_most",
                                         "IdentificationResult::differ_most_omega",
                                         "IdentificationResult::next",
+                                        "IdentificationResult::set_aside",
                                         "Finalist::index",
                                         "JointFitResult::half_width",
                                         "JointFitResult::priors",

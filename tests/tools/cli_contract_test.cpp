@@ -369,6 +369,38 @@ TEST(Identify, SimulatedFilesBringTheStaticCurveAlong) {
   EXPECT_NE(none.output.find("of all, as none follows the data"), std::string::npos) << none.output;
 }
 
+TEST(Identify, TellsAndTakesAssumptions) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto unset = successful_json({"identify", data, "--models", "power-law,lag-delay"});
+  EXPECT_EQ(unset["assumptions"]["stable"], "unless the data speak against it");
+  EXPECT_EQ(unset["assumptions"]["dead_time"], "if the data speak for it");
+  EXPECT_EQ(unset["assumptions"]["passive"], false);
+  EXPECT_TRUE(unset["notes"].is_array());
+  EXPECT_TRUE(unset["set_aside"].is_null());
+  const auto told = successful_json({"identify", data, "--models", "power-law,lag-delay", "--stable", "yes",
+                                     "--dead-time", "no", "--passive", "--bound", "K=0:"});
+  EXPECT_EQ(told["assumptions"]["stable"], "yes");
+  EXPECT_EQ(told["assumptions"]["dead_time"], "no");
+  EXPECT_EQ(told["assumptions"]["passive"], true);
+  ASSERT_EQ(told["ranking"].size(), 1U);
+  const auto gain = told["ranking"][0]["parameters"][0];
+  EXPECT_EQ(gain["limits"][0], 0);
+  EXPECT_EQ(gain["limits_given"], true);
+  EXPECT_NE(told["command"].get<std::string>().find("--stable yes --dead-time no --passive"), std::string::npos)
+      << told["command"];
+
+  const auto word = run_fracfit({"identify", data, "--stable", "perhaps"});
+  EXPECT_EQ(word.code, 2);
+  EXPECT_NE(word.error.find("--stable"), std::string::npos) << word.error;
+  const auto name = run_fracfit({"identify", data, "--models", "power-law", "--bound", "Z=0:1"});
+  EXPECT_EQ(name.code, 2);
+  EXPECT_NE(name.error.find("'Z'"), std::string::npos) << name.error;
+  const auto formula = run_fracfit({"fit", data, "--model", "lag-delay", "--dead-time", "no"});
+  EXPECT_EQ(formula.code, 2);
+  EXPECT_NE(formula.error.find("dead time"), std::string::npos) << formula.error;
+}
+
 TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
   const TemporaryFolder folder;
   const auto data = folder.write("data.csv", power_law_data());

@@ -65,6 +65,11 @@ std::string estimate_text(const frac::ParameterEstimate& parameter) {
 
 std::string verdict_html(const frac::IdentificationResult& result) {
   std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
+  if (!result.notes.empty()) {
+    std::string notes;
+    for (const std::string& note : result.notes) notes += "<li>" + escape_html(note) + "</li>";
+    verdict += "<ul>" + notes + "</ul>";
+  }
   if (result.skipped.empty()) return verdict;
   const std::size_t count = result.skipped.size();
   std::string reasons;

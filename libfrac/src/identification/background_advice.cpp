@@ -53,11 +53,11 @@ void add_background_advice(const TimeResponseData& data, const TimeFitOptions& o
   const bool is_motion = moving.bic < drifting.bic;
   const Better& better = is_motion ? moving : drifting;
   if (!(better.bic < chosen.fit.bic - clearly_less)) return;
-  result.verdict_sentence += (is_motion ? " The record seems to start in motion: with the input before it estimated too"
-                                        : " The output seems to drift: with the drift estimated too") +
-                             std::string(", '") + better.name + "' describes it better than '" + chosen.name +
-                             "' does without (BIC lower by " + four_digits(chosen.fit.bic - better.bic) +
-                             "), and the verdict may change.";
+  result.notes.push_back((is_motion ? "The record seems to start in motion: with the input before it estimated too"
+                                    : "The output seems to drift: with the drift estimated too") +
+                         std::string(", '") + better.name + "' describes it better than '" + chosen.name +
+                         "' does without (BIC lower by " + four_digits(chosen.fit.bic - better.bic) +
+                         "), and the verdict may change.");
   result.advice.push_back({is_motion ? Remedy::estimate_earlier_input : Remedy::estimate_trend});
 }
 

@@ -10,16 +10,22 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "base/short_text.hpp"
+#include "frac/identification/constraints.hpp"
 #include "frac/identification/fit_from.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
+#include "identification/data/neighbour_noise.hpp"
 #include "identification/data/noise_floor.hpp"
+#include "identification/data/physical_properties.hpp"
+#include "identification/data/residual_rule.hpp"
 #include "identification/residuals/frequency_problem.hpp"
 #include "identification/search/frequency_search.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/thinned.hpp"
+#include "identification/statistics/assumption_evidence.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
@@ -123,6 +129,18 @@ void follow_cost(FitResult& result, detail::FrequencyProblem& problem, const det
   }
 }
 
+/// Whether |data| scatters from point to point about as much as residuals do; a model that goes another way leaves
+/// large residuals of smooth data.
+bool magnitude_scatters(const FrequencyResponseData& data, double deviation) {
+  std::vector<double> log_omega, log_size;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (data.value()[i] == 0.0) continue;
+    log_omega.push_back(std::log(data.omega()[i]));
+    log_size.push_back(std::log(std::abs(data.value()[i])));
+  }
+  return log_size.size() > 2 && detail::neighbour_noise(log_omega, log_size) > deviation / 2;
+}
+
 void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& problem, std::span<const double> theta) {
   const FitOptions& options = problem.options;
   if (options.component == Component::magnitude || options.component == Component::phase) return;
@@ -130,6 +148,7 @@ void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& proble
   const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
   const double correlation = detail::autocorrelation(residual, problem.residuals().per_point(), 1);
   if (!(deviation > noisy_divisor) || std::abs(correlation) > plain_misfit) return;
+  if (!magnitude_scatters(problem.data, deviation)) return;
   result.gain_factor = 1 + 2 * deviation * deviation;
   char text[256];
   std::snprintf(text, sizeof text,
@@ -219,6 +238,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
   const bool relative = options.weight == Weight::relative ||
                         (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
+  result.message += detail::remark_on_zeros(data, options);
   if (relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
@@ -280,6 +300,70 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
   return last;
 }
 
+std::string share_of_data(const FitResult& result) {
+  return detail::four_digits(100 * result.relative_rms) + " %";
+}
+
+/// The best stable model of a formula.  With positive coefficients orders less than 2 apart are stable, so that one
+/// search goes as far as that; the other one goes wherever the stability of each model can be told.
+FitResult stable_fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+  constexpr Extent whole{true, true};
+  FitOptions wide = options, narrow = options;
+  wide.assumptions.stable = true;
+  narrow.assumptions.stable = false;
+  constexpr double below_two = 2 - 1e-8;
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    if (structure.parameter_roles()[i] != ParameterRole::order || !structure.parameter_in_sum()[i]) continue;
+    ParameterConstraint& own = constraint_of(narrow.constraints, structure.parameter_names()[i]);
+    if (!own.fixed && own.lower.value_or(0) < below_two) own.upper = std::min(own.upper.value_or(below_two), below_two);
+    if (own.start && own.upper && *own.start > *own.upper) own.start.reset();
+  }
+  FitResult result = fit_with_floor(data, structure, wide, whole);
+  if (FitResult other = fit_with_floor(data, structure, narrow, whole);
+      other.usable() && detail::is_unstable(other) == false && !(other.cost > result.cost)) {
+    result = std::move(other);
+  }
+  if (detail::is_unstable(result).value_or(true)) result.termination = FitTermination::no_usable_start;
+  return result;
+}
+
+/// The search, and where it ends at an unstable model another one among stable ones, which is taken unless the data
+/// speak against it.
+FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+  const std::optional<bool>& stable = options.assumptions.stable;
+  FitOptions any = options;
+  any.assumptions.stable = false;
+  FitResult free = fit_with_floor(data, structure, any, {true, true});
+  if (options.global_start) free = detail::no_worse_than_contained(data, structure, any, std::move(free));
+  if (stable == false || !detail::is_unstable(free).value_or(false)) return free;
+  // The member of a family stands where it has been chosen.
+  if (!options.global_start && !stable) return free;
+  if (options.weight == Weight::learned && !options.noise_floor) any.noise_floor = free.noise_floor;
+  FitResult held = stable_fit(data, structure, any);
+  held.noise_floor = free.noise_floor;
+  held.seconds += free.seconds;
+  if (!held.usable()) {
+    if (stable) held.message = "No stable model of this formula was found.";
+    free.message += " No stable model of this formula was found.";
+    return stable ? held : free;
+  }
+  const auto leftover = [&](const FitResult& result) {
+    const std::vector<double> residual = detail::weighted_residuals(data, any, result);
+    return detail::Leftover{result.relative_rms,
+                            detail::autocorrelation(residual, detail::residuals_per_point(data, any), 1), 0};
+  };
+  const double evidence = detail::evidence_against(leftover(held), leftover(free), free.residuals);
+  if (!stable && evidence > detail::price_of_assumption) {
+    free.message += " The data speak against a stable system: the best stable model of this formula leaves " +
+                    share_of_data(held) + " of the data (rms), this one " + share_of_data(free) + ".";
+    free.seconds = held.seconds;
+    return free;
+  }
+  held.message += " The system is taken to be stable: an unstable model of this formula leaves " + share_of_data(free) +
+                  " of the data (rms), this one " + share_of_data(held) + ".";
+  return held;
+}
+
 /// Whether a minimum reached from the answer to similar data needs no search: it follows the data to within noise (the
 /// residuals are as small as the similar ones, or smaller, and neighbours are unlike), so that another could be lower
 /// by no more than noise allows, and it pins every parameter down, so that no other parameters do the same.  A cost
@@ -317,9 +401,12 @@ std::optional<FitResult> in_names_of(const Structure& structure, FitResult resul
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  FitResult result = fit_with_floor(data, structure, options, {true, true});
-  if (!options.global_start) return result;
-  return detail::no_worse_than_contained(data, structure, options, std::move(result));
+  if (options.assumptions.dead_time == false && detail::has_dead_time(structure)) {
+    throw std::invalid_argument("the formula has a dead time, and the system is said to have none");
+  }
+  FitResult result = fit_as_assumed(data, structure, options);
+  if (options.assumptions.passive && result.usable()) result.message += detail::remark_on_passivity(result, data);
+  return result;
 }
 
 FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, const Structure& structure,

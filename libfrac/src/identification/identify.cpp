@@ -14,6 +14,7 @@
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
+#include "identification/data/physical_properties.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
@@ -21,6 +22,7 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 
@@ -42,6 +44,10 @@ struct Outcome {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
+  /// Whether it stands for an unstable member of its family, which follows the data closer and takes its part in the
+  /// verdict: that is about orders, whatever is assumed of poles.
+  bool stands_in = false;
+  std::shared_ptr<Outcome> set_aside = nullptr;  // the other one of the two
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -60,6 +66,7 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   result.model = curve.name;
   result.cost = information.cost;
   result.rms = information.rms;
+  result.relative_rms = information.rms / rule.unit;
   result.max_residual = information.max_residual;
   result.aicc = information.aicc;
   result.bic = information.bic;
@@ -125,42 +132,73 @@ detail::FamilyMembers grown_member(const TimeResponseData& data, const NamedMode
   return detail::best_member(data, model, options);
 }
 
-/// @param ratios  shared by all families of the data
-template <class Data, class Options>
-void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
-  detail::FamilyMembers members = grown_member(data, outcome.model, options, ratios);
-  outcome.model = std::move(members.models.front());
+bool excludes_dead_time(const FitOptions& options) {
+  return options.assumptions.dead_time == false;
+}
+bool excludes_dead_time(const TimeFitOptions&) {
+  return false;
+}
+
+void take(const detail::FamilyMembers& members, Outcome& outcome) {
+  outcome.model = members.models.front();
+  outcome.from_family = true;
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
   outcome.approximates = members.approximates;
+  outcome.stands_in = members.stands_in;
 }
 
-/// The fit of a candidate that is a formula.
+/// @param ratios  shared by all families of the data
+template <class Data, class Options>
+void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
+  const detail::FamilyMembers members = grown_member(data, outcome.model, options, ratios);
+  take(members, outcome);
+  if (!members.set_aside) return;
+  outcome.set_aside = std::make_shared<Outcome>();
+  take(*members.set_aside, *outcome.set_aside);
+}
+
+/// The fit of a formula, or of the member of a family that was chosen.
+template <class Data, class Options>
+void fit_formula(const Data& data, Options options, double hopeless, Outcome& outcome) {
+  options.global_start = !outcome.from_family;
+  const auto& own = outcome.model.constraints;
+  options.constraints.insert(options.constraints.end(), own.begin(), own.end());
+  const Structure structure(outcome.model.formula);
+  // Intervals that follow the cost decide about orders, which rational models have none of.  Those of the many
+  // coefficients of a grown model say nothing of a part of the system.
+  const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
+  const auto profiled = outcome.from_family ? detail::Profiled::orders : detail::Profiled::all;
+  outcome.fit = rational ? detail::curvature_fit(data, structure, options)
+                         : detail::fit_in_reach(data, structure, options, hopeless, profiled);
+  if (outcome.fit->termination == FitTermination::no_usable_start) {
+    // What has no finite response to an input whose output is finite.
+    outcome.refuted = std::is_same_v<Data, TimeResponseData>;
+    outcome.reason = outcome.fit->message;
+    outcome.fit.reset();
+  } else if (!outcome.model.remark.empty()) {
+    outcome.fit->message += " " + outcome.model.remark;
+  }
+}
+
+bool has_dead_time(const NamedModel& model) {
+  return model.is_family() ? model.rational && model.rational->dead_time
+                           : detail::has_dead_time(Structure(model.formula));
+}
+
+/// The fit of a candidate.
 template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, double hopeless, detail::RatioGrowths& ratios,
                    Outcome& outcome) {
-  Options of_model = options;
   try {
-    outcome.from_family = outcome.model.is_family();
-    if (outcome.from_family) {
-      resolve(data, options, ratios, outcome);
-      of_model.global_start = false;
+    if (excludes_dead_time(options) && has_dead_time(outcome.model)) {
+      outcome.refuted = true;
+      outcome.reason = "it has a dead time, and the system has none";
+      return;
     }
-    const auto& own = outcome.model.constraints;
-    of_model.constraints.insert(of_model.constraints.end(), own.begin(), own.end());
-    const Structure structure(outcome.model.formula);
-    // Intervals that follow the cost decide about orders, which rational models have none of.  Those of the many
-    // coefficients of a grown model say nothing of a part of the system.
-    const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
-    const auto profiled = outcome.from_family ? detail::Profiled::orders : detail::Profiled::all;
-    outcome.fit = rational ? detail::curvature_fit(data, structure, of_model)
-                           : detail::fit_in_reach(data, structure, of_model, hopeless, profiled);
-    if (outcome.fit->termination == FitTermination::no_usable_start) {
-      // What has no finite response to an input whose output is finite.
-      outcome.refuted = std::is_same_v<Data, TimeResponseData>;
-      outcome.reason = outcome.fit->message;
-      outcome.fit.reset();
-    }
+    if (outcome.model.is_family()) resolve(data, options, ratios, outcome);
+    fit_formula(data, options, hopeless, outcome);
+    if (outcome.set_aside) fit_formula(data, options, hopeless, *outcome.set_aside);
   } catch (const std::invalid_argument& error) {
     outcome.reason = error.what();
   }
@@ -238,11 +276,17 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   double hopeless = std::numeric_limits<double>::infinity();
   parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
-    if (!outcomes[i].fit) continue;
-    hopeless = std::min(hopeless, by_far(outcomes[i].fit->residuals) * outcomes[i].fit->cost);
+    for (const Outcome* each = &outcomes[i]; each; each = each->set_aside.get()) {
+      if (each->fit) hopeless = std::min(hopeless, by_far(each->fit->residuals) * each->fit->cost);
+    }
   }
   parallel_for(outcomes.size() - families, threads,
                [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[families + i]); });
+  std::vector<Outcome> others;
+  for (const Outcome& outcome : outcomes) {
+    if (outcome.set_aside) others.push_back(*outcome.set_aside);
+  }
+  outcomes.insert(outcomes.end(), others.begin(), others.end());
   start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};
@@ -259,8 +303,8 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
-    competitors.push_back(
-        {std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates});
+    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations,
+                           outcome.approximates, outcome.stands_in});
   }
   detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());
@@ -285,6 +329,9 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   result.chosen = chosen_of(result.ranking);
   detail::judge(result, data, options, competitors, skipped_rivals);
   keep_to_verdict(result);
+  detail::keep_to_assumptions(result, data, options, competitors);
+  const RankedFit& chosen = result.ranking.at(result.chosen);
+  if (!chosen.model.remark.empty()) result.notes.push_back(chosen.model.remark);
   return result;
 }
 

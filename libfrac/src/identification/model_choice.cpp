@@ -177,6 +177,7 @@ Growth grown_from_data(const Data& data, const NamedModel& family, const Options
     const Structure structure(members.models[i].formula);
     growth.fits.push_back(i == members.chosen ? fit(data, structure, of_model)
                                               : detail::curvature_fit(data, structure, of_model));
+    if (!members.models[i].remark.empty()) growth.fits.back().message += " " + members.models[i].remark;
   }
   growth.reason = members.chosen + 1 < members.models.size()
                       ? "Further growth does not pay: BIC, with the search paid for, rises."

@@ -42,6 +42,7 @@ class Fit : public Command {
              "Instead of --model a family, grown by a term at a time while the data pay for it", "FAMILY");
     o.exactly_one({"--model", "--grow"}, "the structure, or the family to grow it in");
     add_residual_options(o, request_);
+    add_assumptions(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_outliers(o, request_);
@@ -135,7 +136,9 @@ class Fit : public Command {
       const auto model = frac::resolved_model(data, chosen_, fit);
       fit.constraints = constraints_of(model, parameters_);
       fit.global_start = false;
-      return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
+      auto result = frac::fit(data, frac::Structure(model.formula), fit);
+      if (!model.remark.empty()) result.message += " " + model.remark;
+      return {std::move(result), std::nullopt};
     }
     if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
     auto growth = frac::grow(data, *grow_, fit);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/identify.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "frac/identification/economy.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/parallel_for.hpp"
+#include "frac/structure.hpp"
 #include "io/number.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
@@ -67,9 +69,11 @@ class Identify : public Command {
            "and families such as rational:1..8, rational:2/4, rational:1..4+delay, commensurate:1..3, terms:5")
         .default_is("all presets, rational, rational+delay, commensurate, commensurate+delay and terms");
     add_residual_options(o, request_);
+    add_assumptions(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_outliers(o, request_);
+    o.texts("--bound", bounds_, "of every candidate that is a preset or a formula and has the parameter");
     const auto of_static_backlash = [&](const char* name, std::optional<double>& value) -> Option& {
       return o.number(name, value, "of the static-backlash candidate").only_for(frequency_response);
     };
@@ -92,7 +96,28 @@ class Identify : public Command {
   }
 
  private:
-  void check() override { models_ = chosen_models(models_text_); }
+  void check() override { models_ = bounded(chosen_models(models_text_)); }
+
+  /// The candidates with the limits of --bound, each with those of its own parameters.
+  [[nodiscard]] std::vector<frac::NamedModel> bounded(std::vector<frac::NamedModel> models) const {
+    for (const auto& text : bounds_) {
+      const std::string name = text.substr(0, text.find('='));
+      bool known = false;
+      for (auto& model : models) {
+        if (model.is_family()) continue;
+        const auto names = frac::Structure(model.formula).parameter_names();
+        if (std::find(names.begin(), names.end(), name) == names.end()) continue;
+        known = true;
+        ParameterOptions given;
+        given.bound = {text};
+        model.constraints = constraints_of(model, given);
+      }
+      if (!known)
+        throw std::invalid_argument("--bound " + io::quoted(text) +
+                                    ": no candidate that is a preset or a formula has a parameter " + io::quoted(name));
+    }
+    return models;
+  }
 
   // Takes from the header that `simulate` writes what the options leave open.
   // @return whether there is a static-backlash candidate
@@ -152,7 +177,7 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
-    if (models_text_.empty()) models_ = frac::default_candidates_over_time();
+    if (models_text_.empty()) models_ = bounded(frac::default_candidates_over_time());
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
@@ -221,6 +246,7 @@ class Identify : public Command {
   FitRequest request_;
   TimeRequest over_time_;
   std::string models_text_;
+  std::vector<std::string> bounds_;
   std::vector<frac::NamedModel> models_;
   std::optional<double> force_, clearance_, mass1_, mass2_;
   std::optional<std::size_t> folds_;

@@ -78,6 +78,18 @@ void add_residual_options(Options& options, FitRequest& request) {
       .only_with(sampled);
 }
 
+void add_assumptions(Options& options, FitRequest& request) {
+  options.text("--stable", request.stable, "yes: whatever the data say")
+      .one_of({"yes", "no"})
+      .default_is("yes, unless the data speak against it")
+      .only_for(frequency_response);
+  options.text("--dead-time", request.dead_time, "yes: as likely as none; no: no model has one")
+      .one_of({"yes", "no"})
+      .default_is("where the data speak for one")
+      .only_for(frequency_response);
+  options.flag("--passive", request.passive).only_for(frequency_response);
+}
+
 void add_outliers(Options& options, FitRequest& request) {
   options
       .text("--outliers", request.outliers,
@@ -100,6 +112,8 @@ frac::FitOptions fit_options(const FitRequest& request) {
   options.realisation = realisation_of(request);
   frac::validate(options.realisation);
   options.seed = request.seed;
+  const auto said = [](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text == "yes"); };
+  options.assumptions = {said(request.stable), said(request.dead_time), request.passive};
   return options;
 }
 
@@ -166,6 +180,7 @@ FitRun fit_run(const FitRequest& request, const Options& options, const io::Freq
       run.validity = std::move(result);
     }
   }
+  run.assumptions = fit_options(request).assumptions;
   run.frequency_unit = file.data.frequency_unit();
   for (const std::size_t index : left_out) run.left_out.push_back({index, file.data.omega()[index]});
   return run;

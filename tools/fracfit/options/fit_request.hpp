@@ -31,12 +31,16 @@ struct FitRequest {
   std::vector<std::string> where;
   std::uint64_t seed = 1;
   std::string outliers = "leave-out";
+  std::string stable, dead_time;  // yes, no or empty
+  bool passive = false;
   std::string key_column, curve;  // which curve of a file that holds several
   io::MeasurementOptions how;     // what the file does not tell of itself
 };
 
 void add_data(Options& options, FitRequest& request);
 void add_residual_options(Options& options, FitRequest& request);
+/// --stable, --dead-time and --passive.
+void add_assumptions(Options& options, FitRequest& request);
 /// --where and --seed.
 void add_points_and_seed(Options& options, FitRequest& request);
 

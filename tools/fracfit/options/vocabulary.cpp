@@ -51,6 +51,9 @@ const Meaning& meaning_of(std::string_view name) {
       {"--constraint", "ORDER", "Parameters of one kind in rising order, e.g. 'Q1<Q2'; repeatable"},
       {"--derive", "DEFINITION",
        "Quantity computed from the parameters, with its interval, e.g. 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'; repeatable"},
+      {"--stable", "yes|no", "Whether the system is taken to have no pole right of the imaginary axis"},
+      {"--dead-time", "yes|no", "Whether the system has a dead time"},
+      {"--passive", "", "The data are an immittance of a passive system, whose real part is nowhere negative"},
       {"--where", "TEST", "Use only points that satisfy a comparison with a number; repeatable"},
       {"--seed", "N", "Seed of the random search; same seed, same result"},
       // Every command.

@@ -21,7 +21,7 @@
 namespace fracfit {
 namespace {
 
-constexpr std::size_t law_indent = 11;
+constexpr std::size_t law_indent = 11, note_indent = 4;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string option_of(const FitRun& run, std::string_view key) {
@@ -34,6 +34,16 @@ double on_axis(const FitRun& run, double at) {
 }
 std::string axis_unit(const FitRun& run) {
   return " " + (run.over_time ? "s" : std::string(to_string(run.frequency_unit)));
+}
+
+/// A line of what the options say of the system; empty where they say nothing.
+std::string told_assumptions(const frac::Assumptions& assumptions) {
+  std::string text;
+  const auto add = [&](const char* each) { text += (text.empty() ? "\nassumed    " : ", ") + std::string(each); };
+  if (assumptions.stable) add(*assumptions.stable ? "stable" : "perhaps unstable");
+  if (assumptions.dead_time) add(*assumptions.dead_time ? "with a dead time or without" : "no dead time");
+  if (assumptions.passive) add("passive");
+  return text;
 }
 
 std::string heading(const FitRun& run) {
@@ -58,6 +68,7 @@ std::string heading(const FitRun& run) {
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
   if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
   if (run.validity) text += "\nvalidity   " + run.validity_sentence;
+  if (run.assumptions) text += told_assumptions(*run.assumptions);
   return text + "\n";
 }
 
@@ -140,9 +151,15 @@ std::string remark_on_poles(const frac::FitResult& result) {
   return remark.empty() ? "" : paragraph(remark);
 }
 
+/// " (1.2 % of the data)", where residuals are no shares of the data themselves.
+std::string share_of_data(const frac::FitResult& result) {
+  if (!(std::abs(result.relative_rms - result.rms) > 1e-3 * result.rms)) return "";
+  return " (" + short_number(100 * result.relative_rms, 3) + " % of the data)";
+}
+
 std::string closing(const frac::FitResult& result) {
   std::string text = "cost " + short_number(result.cost) + " (sum of " + std::to_string(result.residuals) +
-                     " squared residuals), rms " + short_number(result.rms) + ", largest " +
+                     " squared residuals), rms " + short_number(result.rms) + share_of_data(result) + ", largest " +
                      short_number(result.max_residual) + "\n";
   text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
   return text +
@@ -245,17 +262,18 @@ void append_statistics(Json& json, const FitRun& run, const frac::FitResult& res
 
 constexpr std::string_view misses_the_data = "misses the data";
 
-std::string remark_on(const frac::IdentificationResult& result, std::size_t rank) {
+/// @param noisy  data without noise are missed by every model that does not meet them to rounding
+std::string remark_on(const frac::IdentificationResult& result, std::size_t rank, bool noisy) {
   const auto& candidate = result.ranking[rank];
   if (rank == result.chosen) return "chosen";
   if (candidate.fit.termination != frac::FitTermination::converged)
     return std::string(frac::to_string(candidate.fit.termination));
-  return std::string(candidate.lack_of_fit.adequate ? "" : misses_the_data);
+  return std::string(candidate.lack_of_fit.adequate || !noisy ? "" : misses_the_data);
 }
 
 /// The remark with the other spellings of the model.
-std::string remark_with_spellings(const frac::IdentificationResult& result, std::size_t rank) {
-  std::string text = remark_on(result, rank);
+std::string remark_with_spellings(const frac::IdentificationResult& result, std::size_t rank, bool noisy) {
+  std::string text = remark_on(result, rank, noisy);
   for (const std::string& name : result.ranking[rank].also) text += (text.empty() ? "also " : ", also ") + name;
   return text;
 }
@@ -271,6 +289,16 @@ bool belongs_in_table(const frac::IdentificationResult& result, std::size_t rank
   return rank < leading_ranks || candidate.lack_of_fit.adequate || &candidate == &*first_of_class;
 }
 
+/// Words of the options, "assumed" where nobody has said it.
+Json assumptions_json(const frac::Assumptions& assumptions) {
+  const auto word = [](const std::optional<bool>& said, const char* unsaid) {
+    return std::string(said ? (*said ? "yes" : "no") : unsaid);
+  };
+  return {{"stable", word(assumptions.stable, "unless the data speak against it")},
+          {"dead_time", word(assumptions.dead_time, "if the data speak for it")},
+          {"passive", assumptions.passive}};
+}
+
 Json origin_of_fit(const FitRun& run) {
   Json json = origin(run.command);
   json["data"] = {{"file", run.file},
@@ -281,6 +309,7 @@ Json origin_of_fit(const FitRun& run) {
                   {"header", object_of(run.file_header)}};
   if (!run.over_time) json["data"]["left_out"] = left_out_json(run);
   json["options"] = object_of(run.options);
+  if (run.assumptions) json["assumptions"] = assumptions_json(*run.assumptions);
   if (run.validity)
     json["validity"] = {{"verdict", frac::to_string(run.validity->validity)},
                         {"noise", run.validity->noise},
@@ -293,6 +322,9 @@ Json origin_of_fit(const FitRun& run) {
 // Of those that are told apart by AICc the simplest, unless the verdict prefers another one.
 std::string why_chosen(const frac::IdentificationResult& result) {
   const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  if (result.set_aside)
+    return "the best of its class that keeps to what is assumed, in place of " +
+           result.ranking.at(*result.set_aside).name;
   if (!chosen.lack_of_fit.adequate) return "the simplest within 2 of the least AICc of all, as none follows the data";
   const bool least = std::none_of(result.ranking.begin(), result.ranking.end(), [&](const frac::RankedFit& other) {
     return other.lack_of_fit.adequate && other.fit.usable() && other.fit.aicc + 2 < chosen.fit.aicc;
@@ -323,17 +355,17 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   std::string others;
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     const auto& candidate = result.ranking[i];
-    const std::string remark = remark_on(result, i);
+    const std::string remark = remark_on(result, i, noisy);
     if (!belongs_in_table(result, i)) {
       others += (others.empty() ? "" : ", ") + candidate.name + " " + short_number(candidate.fit.rms, 3);
-      if (remark != misses_the_data) others += " (" + remark + ")";
+      if (!remark.empty() && remark != misses_the_data) others += " (" + remark + ")";
       continue;
     }
     std::vector<std::string> row{candidate.name, std::string(frac::to_string(candidate.model_class)),
                                  std::to_string(candidate.fit.free_parameters), short_number(candidate.fit.rms)};
     if (noisy) row.insert(row.end(), {short_number(candidate.delta_aicc), short_number(candidate.akaike_weight)});
     if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[i]));
-    row.push_back(remark_with_spellings(result, i));
+    row.push_back(remark_with_spellings(result, i, noisy));
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
@@ -343,14 +375,17 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
             ": the noise does not fall with the data, residuals are divided by sqrt(|data|^2 + floor^2)\n";
   }
   text += "\n" + ranking.text();
-  if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
+  if (!others.empty())
+    text += paragraph((noisy ? "These miss the data too, by an rms of: " : "Others, with their rms: ") + others + ".");
   text += "chosen: " + why_chosen(result);
   if (!noisy) return text + "\n\n" + economy_table(*run.economy);
   text += "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(run, chosen.fit) + "\n" + remark_on_poles(chosen.fit);
-  return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " +
-                          with_advice(result.verdict_sentence, result.advice));
+  text += paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " +
+                    with_advice(result.verdict_sentence, result.advice));
+  for (const auto& note : result.notes) text += "  - " + paragraph(note, note_indent);
+  return text;
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
@@ -446,6 +481,8 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["stability"] = stability_json(result.ranking.at(result.chosen).fit);
   add_scalars(json, result);
   json["verdict_sentence"] = with_advice(result.verdict_sentence, result.advice);
+  json["notes"] = result.notes;
+  json["set_aside"] = result.set_aside ? Json(result.ranking.at(*result.set_aside).name) : Json(nullptr);
   json["fractional"] = finalist_json(result, result.fractional);
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};

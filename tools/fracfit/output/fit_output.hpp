@@ -35,6 +35,7 @@ struct FitRun {
   std::optional<frac::Economy> economy = {};                            // of data without noise
   std::vector<LeftOutPoint> left_out = {};                              // index rising
   frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // of the file
+  std::optional<frac::Assumptions> assumptions = {};                    // of a frequency response
   std::string law = {};  // what the model says in words, where its formula does not; see component_power_law
 };
 

@@ -474,6 +474,9 @@ def fit(
     loss_scale: float | None = None,
     seed: int = 1,
     global_start: bool = True,
+    stable: bool | None = None,
+    dead_time: bool | None = None,
+    passive: bool = False,
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
@@ -579,6 +582,13 @@ def fit(  # type: ignore[misc]
         Of the multi-start; the same seed gives the same result.
     global_start : bool
         False: one local solve from the given starts.
+    stable : bool, optional
+        Whether the system of a response has no pole right of the imaginary axis: True whatever the data say, None unless
+        they speak against it.
+    dead_time : bool, optional
+        Whether it has a dead time: True as likely as none, False never, None where the data speak for one.
+    passive : bool
+        The response is an immittance of a passive system, whose real part is nowhere negative.
     offset, trend, earlier_input
         Over time: what the output shows at rest (estimated if None), a drift, an unknown input before the record.
 
@@ -622,6 +632,9 @@ def fit(  # type: ignore[misc]
         "loss_scale": loss_scale,
         "seed": seed_number(seed),
         "global_start": global_start,
+        "stable": stable,
+        "dead_time": dead_time,
+        "passive": passive,
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
@@ -654,7 +667,7 @@ def _one_of(given: Any, by_command_line: Any, name: str, other: str) -> Any:
 
 
 # Options that mean something for one kind of data alone.
-_OF_RESPONSES = ("component", "weight", "realisation", "noise_floor")
+_OF_RESPONSES = ("component", "weight", "realisation", "noise_floor", "stable", "dead_time", "passive")
 _OF_RECORDS = ("offset", "trend", "earlier_input")
 
 
@@ -874,6 +887,9 @@ def identify(
     outliers: str = "leave-out",
     realisation: Mapping[str, Any] | None = None,
     seed: int = 1,
+    stable: bool | None = None,
+    dead_time: bool | None = None,
+    passive: bool = False,
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
@@ -907,6 +923,9 @@ def identify(
         "outliers": outliers,
         "realisation": realisation_of(realisation),
         "seed": seed_number(seed),
+        "stable": stable,
+        "dead_time": dead_time,
+        "passive": passive,
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
@@ -914,7 +933,7 @@ def identify(
     _refuse_idle(data, options, identify)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
-    _warn(found.pop("notes"), 4)
+    _warn(found.pop("said"), 4)
     for each in ("verdict_sentence", "summary"):
         found[each] = _with_advice(found[each], found["advice"])
     for each in found["ranking"]:

@@ -63,6 +63,9 @@ frac::FitOptions fit_options(const py::dict& given) {
   take(options.loss_scale, given, "loss_scale");
   take(options.seed, given, "seed");
   take(options.global_start, given, "global_start");
+  take(options.assumptions.stable, given, "stable");
+  take(options.assumptions.dead_time, given, "dead_time");
+  take(options.assumptions.passive, given, "passive");
   if (given.contains("realisation")) options.realisation = realisation_of(given["realisation"].cast<py::dict>());
   if (given.contains("constraints")) options.constraints = constraints_from(given["constraints"].cast<py::list>());
   return options;

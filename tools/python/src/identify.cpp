@@ -89,7 +89,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   });
   py::dict dict = dict_of_ranking(result);
   dict["left_out"] = left_out;
-  dict["notes"] = notes;
+  dict["said"] = notes;
   dict["component"] = std::string(frac::to_string(options.component));
   dict["without_noise"] = met;
   return dict;
@@ -103,7 +103,7 @@ py::dict identify_record(const py::dict& data, const std::vector<std::string>& n
   py::dict dict =
       dict_of_ranking(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
   dict["left_out"] = py::list();
-  dict["notes"] = py::list();
+  dict["said"] = py::list();
   dict["component"] = py::none();
   dict["without_noise"] = false;
   return dict;

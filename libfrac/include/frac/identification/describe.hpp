@@ -100,6 +100,7 @@ void describe(Result& result, const Visit& visit) {
   visit("parameters", "", "estimates, see parameter", result.parameters);
   visit("cost", "residual^2", "sum of squared residuals, without loss and priors", result.cost);
   visit("rms", "residual", "root mean square of the residuals", result.rms);
+  visit("relative_rms", "1", "rms over that of the data under the same weights", result.relative_rms);
   visit("gain_factor", "1", "factor that undoes the bias of relative weight by noise in its divisor",
         result.gain_factor);
   visit("max_residual", "residual", "largest residual", result.max_residual);
@@ -203,6 +204,7 @@ void describe(Result& result, const Visit& visit) {
   visit("departure_evidence", "1", "evidence for an order at least 0.1 from every whole number",
         result.departure_evidence);
   visit("verdict_sentence", "", "the verdict in words", result.verdict_sentence);
+  visit("notes", "", "what else is to be known of verdict and choice, a sentence each", result.notes);
   visit("log10_odds", "1",
         "decimal logarithm of the odds of fractional to integer order; both may be far from the truth",
         result.log10_odds);

@@ -20,7 +20,7 @@ enum class Component { imaginary, real, both, magnitude, phase };
 /// What a residual is divided by.  Magnitude and phase residuals are never divided by |data|: the relative magnitude
 /// residual is ln|model/data|, the phase residual an angle in rad (times |data|/sigma where the noise is known).
 enum class Weight {
-  relative,           // |data|
+  relative,           // |data|; a value of 0 weighs like the smallest other one, below which nothing was told
   absolute,           // nothing
   given,              // the sigma of the data
   smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
@@ -62,7 +62,7 @@ struct ParameterPrior {
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that
 /// Structure::parameter_keeps_sign() names is positive (fitted as its logarithm) unless a lower limit is given, any
 /// other, a gain, has either sign (but the outer one in a fit of magnitudes), an order lies in [0, 4], or [-4, 4] when
-/// it stands in no sum, a delay in [0, 2 pi/lowest omega].  ParameterEstimate tells the limits that were in force.
+/// it stands in no sum, a delay in [0, 2 pi/lowest omega], but up to pi/(least distance of two omega) at most.
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;
@@ -76,6 +76,19 @@ struct ParameterConstraint {
   bool positive = false;
 };
 
+/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it: then
+/// it is dropped, and the answer says so.
+struct Assumptions {
+  /// No pole right of the imaginary axis; integrators and undamped modes are allowed.  true: whatever the data say;
+  /// false: nothing is assumed.  Unset: assumed.
+  std::optional<bool> stable;
+  /// true: a dead time is as likely as none.  false: no model has one.  Unset: it pays for its parameter.
+  std::optional<bool> dead_time;
+  /// The response is an immittance of a passive system: its real part is nowhere negative.  Models that keep to it are
+  /// preferred, and it is said of the one chosen.
+  bool passive = false;
+};
+
 struct FitOptions {
   Component component = Component::both;
   Weight weight = Weight::learned;
@@ -87,6 +100,7 @@ struct FitOptions {
   std::optional<double> loss_scale;
   Realisation realisation = ExactRealisation{};
   std::vector<ParameterConstraint> constraints;
+  Assumptions assumptions;
   std::uint64_t seed = 1;    // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
@@ -183,6 +197,8 @@ struct FitResult {
   double cost;
   double rms;           // sqrt(cost / residual count)
   double max_residual;  // largest |weighted residual|
+  /// rms over that of the data under the same weights: fits of one record with different weights compare by it.
+  double relative_rms = std::numeric_limits<double>::quiet_NaN();
   /// Of the data: a parameter with a prior counts by the share of it that the residuals tell.
   double aicc;
   double bic;
@@ -238,8 +254,9 @@ struct FitResult {
 ///     compares unlike parameters or meets a lower limit of the greater one; a prior of a fixed parameter, without a
 ///     positive deviation, or a relative one of a value or parameter that is not positive; fewer residuals than free
 ///     parameters; weight `given` without sigma or `repeats` without repeats; a formula without s that has an order or
-///     a parameter named like a frequency (p, S ...), or with j w; zero data under relative weight or `learned`,
-///     log-complex weight, or for a phase; log-complex weight for one part; frequencies the realisation cannot cover.
+///     a parameter named like a frequency (p, S ...), or with j w; data that are 0 everywhere under relative weight
+///     or `learned`; a value of 0 under log-complex weight or smoothed-relative, or for a phase; log-complex weight for
+///     one part; frequencies the realisation cannot cover.
 [[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 
 /// Model values at the estimated parameters.

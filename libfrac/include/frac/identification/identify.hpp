@@ -63,7 +63,9 @@ struct NextMeasurement {
 /// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
 /// if none does) and whose fit converged, the simplest with an AICc within 2 of the best; where the verdict speaks for
 /// the other class than its own, the finalist of that class, and where it is undecided the finalist of greater
-/// evidence, if that follows the data with fewer parameters.
+/// evidence, if that follows the data with fewer parameters.  One that is unstable, or has a dead time or a negative
+/// real part, against the FitOptions::assumptions, is set aside for the best of its class that keeps to them, unless
+/// the data speak against that one.  The verdict compares candidates whatever is assumed of poles.
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
 /// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and
@@ -118,7 +120,10 @@ struct IdentificationResult {
   /// Evidence for the best fractional candidate, members that its family had not chosen among them, with an order at
   /// least 0.1 from every whole number.
   double departure_evidence;
-  std::string verdict_sentence;
+  std::string verdict_sentence;         // at most some 35 words
+  std::vector<std::string> notes = {};  // what else is to be known of the verdict and of the choice, a sentence each
+  /// Index into ranking of the candidate that would have been chosen but for the assumptions.
+  std::optional<std::size_t> set_aside;
   std::vector<Advice> advice = {};              // what would help against what the sentence says
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
   /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give

@@ -47,6 +47,8 @@ struct NamedModel {
   /// Whether this is the largest member that was tried of a family without a limit of the caller's.  Its last pole
   /// still paid, so that further ones might pay too.
   bool ends_its_family = false;
+  /// What became of assumptions where a member of a family was chosen; one sentence, or empty.
+  std::string remark = {};
   /// Whether it stands for a family, whose best member on given data resolved_model() finds.
   [[nodiscard]] bool is_family() const { return rational || terms; }
 };

@@ -133,6 +133,39 @@ double likelihood(const Squares& all, double floor) {
          (variances.value() + static_cast<double>(ratio.size()) * std::log(scale) + (degrees + 1) * tails.value());
 }
 
+/// The step that real and imaginary parts are whole numbers of, as an instrument with an analogue-to-digital converter
+/// writes them; 0 where there is none that a fit could notice.
+double step_of(const FrequencyResponseData& data, double largest) {
+  constexpr double unnoticed = 1e-6;  // of the largest value
+  constexpr double rounding = 1e-3;   // of a step, of numbers in text
+  std::vector<double> parts{0};
+  for (const std::complex<double>& value : data.value()) {
+    parts.push_back(std::abs(value.real()));
+    parts.push_back(std::abs(value.imag()));
+  }
+  std::sort(parts.begin(), parts.end());
+  double step = 0;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const double difference = parts[i] - parts[i - 1];
+    if (difference > 1e-9 * largest && (step == 0 || difference < step)) step = difference;
+  }
+  const auto is_multiple = [&](double part) { return std::abs(part / step - std::round(part / step)) < rounding; };
+  return step > unnoticed * largest && std::all_of(parts.begin(), parts.end(), is_multiple) ? step : 0;
+}
+
+/// Whether neighbouring changes, in units of their deviations, are alike.  Those of noise are not: distances from the
+/// line through both neighbours have a correlation of -2/3 where the noise is white and of -1/2 where its own is nearly
+/// 1.  What a model misses smoothly makes neighbouring distances alike.
+/// @param parts  interleaved, the real and the imaginary one
+bool are_alike(const Squares& all, std::span<const double> change, std::size_t parts, double floor) {
+  const auto over = [&](std::size_t i) {
+    return change[i] / std::sqrt(all.relative[i] + floor * floor * all.absolute[i]);
+  };
+  double product = 0;
+  for (std::size_t i = parts; i < change.size(); ++i) product += over(i) * over(i - parts);
+  return product > 0;
+}
+
 /// @param size     of the values, whose noise is sought
 /// @param changes  hands each change to what it is given
 template <typename Changes>
@@ -148,7 +181,9 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
     smallest = std::min({smallest, of_model, std::max(std::abs(data.value()[i]), 1e-12 * largest)});
     square.push_back(std::pow(of_model / largest, 2));
   }
-  std::vector<double> changed;
+  // Where values stay on one step, changes hide the rounding, whose error is even within half a step.
+  const double rounded = std::pow(step_of(data, largest) / largest, 2) / 12;
+  std::vector<double> changed, change;
   Squares all;
   changes([&](const Change& each) {
     double relative = 0, absolute = 0;
@@ -158,7 +193,8 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
     }
     for (const bool real : {true, false}) {
       if (component == (real ? Component::imaginary : Component::real)) continue;
-      all.size.push_back(std::pow((real ? each.size.real() : each.size.imag()) / largest, 2));
+      change.push_back((real ? each.size.real() : each.size.imag()) / largest);
+      all.size.push_back(std::max(std::pow(change.back(), 2), rounded * absolute));
       all.relative.push_back(relative);
       all.absolute.push_back(absolute);
       changed.push_back(all.size.back() / square[each.shares[0].first]);
@@ -187,7 +223,9 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   for (const double shift : {-0.12, 0.12}) try_floor(near + shift);
   // A floor that is found where there is none is small and does little harm; one that is missed makes intervals wrong.
   constexpr double clearly = 2;
-  return highest - none > clearly ? best * largest : 0;
+  if (!(highest - none > clearly)) return 0;
+  // Changes that follow each other are no noise, and tell no floor of it.
+  return are_alike(all, change, component == Component::both ? 2 : 1, best) ? 0 : best * largest;
 }
 
 bool tells_a_floor(const FrequencyResponseData& data, Component component) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "base/wide_vectors.hpp"
 #include "neighbour_noise.hpp"
@@ -25,10 +26,31 @@ std::string at(const FrequencyResponseData& data, std::size_t point) {
 void require_nonzero(const FrequencyResponseData& data) {
   for (std::size_t i = 0; i < data.size(); ++i) {
     if (!(std::abs(data.value()[i]) > 0)) {
-      throw std::invalid_argument("the value" + at(data, i) +
-                                  " is 0, which has no phase and no relative residual; use absolute weight");
+      throw std::invalid_argument(
+          "the value" + at(data, i) +
+          " is 0, which has no phase and no logarithm; fit both parts with weight learned, relative or "
+          "absolute");
     }
   }
+}
+
+/// Of values other than 0; 0 where there is none.
+double smallest_magnitude(const FrequencyResponseData& data) {
+  double smallest = 0;
+  for (const std::complex<double> value : data.value()) {
+    const double size = std::abs(value);
+    if (size > 0 && (smallest == 0 || size < smallest)) smallest = size;
+  }
+  return smallest;
+}
+
+/// |data|.  An instrument writes 0 for what it cannot tell from 0, so that such a value is known no better than the
+/// smallest one that it told from 0, and weighs like that one.
+std::vector<double> told_magnitude(const FrequencyResponseData& data) {
+  const double smallest = smallest_magnitude(data);
+  std::vector<double> size;
+  for (const std::complex<double> value : data.value()) size.push_back(std::max(std::abs(value), smallest));
+  return size;
 }
 
 /// Value at point i of the straight line through y over x of its neighbours up to `reach` away, without the point
@@ -154,10 +176,11 @@ std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight, d
     case Weight::log_complex:
       break;
     case Weight::relative:
-      for (std::size_t i = 0; i < data.size(); ++i) scale[i] = std::abs(data.value()[i]);
+      scale = told_magnitude(data);
       break;
     case Weight::learned:
-      for (std::size_t i = 0; i < data.size(); ++i) scale[i] = std::hypot(std::abs(data.value()[i]), floor);
+      scale = told_magnitude(data);
+      for (double& each : scale) each = std::hypot(each, floor);
       break;
     case Weight::smoothed_relative:
       scale = smoothed_magnitude(data);
@@ -188,8 +211,9 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
 
   ResidualRule rule{form_of(component, weight), {}, 1};
   const bool pure_number = rule.form == ResidualForm::log_magnitude || rule.form == ResidualForm::logarithmic;
-  if (pure_number || rule.form == ResidualForm::phase || weight == Weight::relative ||
-      weight == Weight::smoothed_relative || (weight == Weight::learned && floor == 0)) {
+  const bool by_magnitude = weight == Weight::relative || weight == Weight::learned;
+  const bool all_zero = by_magnitude && smallest_magnitude(data) == 0;
+  if (pure_number || rule.form == ResidualForm::phase || weight == Weight::smoothed_relative || all_zero) {
     require_nonzero(data);
   }
   if (pure_number) {
@@ -346,6 +370,15 @@ bool ResidualRule::derivatives(std::span<const std::complex<double>> model,
       break;
   }
   return with_wide_vectors([&]() FRACFIT_INLINE { return all_finite(result, count * per_point()); });
+}
+
+std::string remark_on_zeros(const FrequencyResponseData& data, const FitOptions& options) {
+  if (options.weight != Weight::relative && options.weight != Weight::learned) return "";
+  const auto zeros = std::count(data.value().begin(), data.value().end(), std::complex<double>(0));
+  if (zeros == 0) return "";
+  return " " + counted(static_cast<std::size_t>(zeros), "value") + (zeros == 1 ? " is" : " are") +
+         " 0, below what the instrument tells, and " + (zeros == 1 ? "weighs" : "weigh") +
+         " like the smallest other one, " + short_text(smallest_magnitude(data)) + ".";
 }
 
 std::vector<double> curve_residuals(const FrequencyResponseData& data, const ResidualRule& rule,

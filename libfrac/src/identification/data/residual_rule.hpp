@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -51,6 +52,10 @@ struct ResidualRule {
                                          double floor = 0);
 /// The rule of a fit with these options; an unset floor counts as 0.
 [[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, const FitOptions& options);
+
+/// Which values are 0 and what they weigh, in one sentence with a blank before it; empty where none is or the weight
+/// does not depend on it.
+[[nodiscard]] std::string remark_on_zeros(const FrequencyResponseData& data, const FitOptions& options);
 
 /// Weighted residuals of given model values, in the unit fit.hpp defines them in.
 /// @throws std::invalid_argument  naming the frequency at which one does not exist.

@@ -57,7 +57,7 @@ class Ratios {
       : given_(given),
         free_order_(model_class == EconomyClass::commensurate),
         most_(given.options.most_parameters - (free_order_ ? 1 : 0)),
-        full_(given.data, given.rule, Poles::stable),
+        full_(given.data, given.rule, Poles::left_half_plane),
         scout_(thin(given)) {}
 
   EconomyCurve curve(EconomyClass model_class) {
@@ -92,7 +92,7 @@ class Ratios {
   static RationalProblem thin(const EconomyProblem& given) {
     constexpr std::size_t scouted = 48;  // six times as many as parameters
     const Thinned few = thinned(given.data, given.rule, scouted);
-    return RationalProblem(few.data, few.rule, Poles::stable);
+    return RationalProblem(few.data, few.rule, Poles::left_half_plane);
   }
 
   /// Numerators over so many poles that leave the parameters within the limit, each once.

@@ -2,12 +2,18 @@
 #include "family_members.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "base/counted.hpp"
+#include "base/short_text.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/statistics/assumption_evidence.hpp"
+#include "identification/statistics/information.hpp"
 #include "rational_growth.hpp"
 #include "rational_model.hpp"
 #include "term_growth.hpp"
@@ -45,18 +51,21 @@ bool approximates(const RationalProblem& problem, const RationalLadder& ladder) 
   return false;
 }
 
-FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component,
-                               RatioGrowths& ratios) {
-  if (2 * family.fewest_poles + 2 > problem.rows()) {
-    throw std::invalid_argument(counted(problem.rows(), "residual") + " cannot determine " +
-                                counted(family.fewest_poles, "pole") + " and the numerator");
-  }
-  const RationalKind kind{family.dead_time, family.free_order};
+/// What a family came to with poles in one region.
+struct Grown {
   FamilyMembers members;
+  RationalFit chosen;
+};
+
+Grown grown_family(const RationalProblem& problem, const RationalFamily& family, Component component,
+                   RatioGrowths& ratios) {
+  const RationalKind kind{family.dead_time, family.free_order};
+  Grown grown;
+  FamilyMembers& members = grown.members;
   if (family.zeros) {
-    const RationalFit fit = fit_rational(problem, *family.zeros, family.fewest_poles, kind);
-    members.models.push_back(written_out(problem, fit.shape, component));
-    return members;
+    grown.chosen = fit_rational(problem, *family.zeros, family.fewest_poles, kind);
+    members.models.push_back(written_out(problem, grown.chosen.shape, component));
+    return grown;
   }
   const bool by_default = family == RationalFamily{};
   const RationalLadder ladder = by_default
@@ -64,8 +73,9 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
                                     : grow_rational(problem, family.fewest_poles, family.most_poles, kind, ratios);
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
-  if (ladder.fits.empty()) return members;
-  const RationalFit& best = ladder.fits[ladder.chosen];
+  if (ladder.fits.empty()) return grown;
+  grown.chosen = ladder.fits[ladder.chosen];
+  const RationalFit& best = grown.chosen;
   members.exact = ladder.fits.back().cost <= problem.negligible_cost();
   if (!family.free_order) {
     members.relaxations = best.shape.relaxations();
@@ -75,7 +85,48 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
     if (!fit.shape.searches_order() || !departs(fit.shape.order)) continue;
     members.departed = std::min(members.departed, schwarz(problem, fit) - schwarz(problem, best));
   }
-  return members;
+  return grown;
+}
+
+/// "0.83 % of the data"
+std::string share_of_data(const RationalProblem& problem, const RationalFit& fit) {
+  return four_digits(100 * std::sqrt(fit.cost / static_cast<double>(problem.rows()))) + " %";
+}
+
+/// The family with stable poles, unless nobody assumes them or the data speak against them.
+FamilyMembers rational_members(const FrequencyResponseData& data, const ResidualRule& rule,
+                               const RationalFamily& family, const FitOptions& options, RatioGrowths& ratios) {
+  const RationalProblem anywhere(data, rule);
+  if (2 * family.fewest_poles + 2 > anywhere.rows()) {
+    throw std::invalid_argument(counted(anywhere.rows(), "residual") + " cannot determine " +
+                                counted(family.fewest_poles, "pole") + " and the numerator");
+  }
+  const std::optional<bool>& stable = options.assumptions.stable;
+  Grown free;
+  if (stable != true) {
+    free = grown_family(anywhere, family, options.component, ratios);
+    if (stable == false || free.members.models.empty() || !is_unstable(free.chosen.shape)) return free.members;
+  }
+  const RationalProblem left(data, rule, Poles::stable);
+  Grown held = grown_family(left, family, options.component, ratios.stable());
+  if (stable == true || held.members.models.empty()) return held.members;
+  const auto leftover = [&](const Grown& grown) {
+    const auto rows = static_cast<double>(left.rows());
+    return Leftover{std::sqrt(grown.chosen.cost / rows), left.correlation(grown.chosen.shape),
+                    price_of_parameters(static_cast<double>(grown.chosen.parameters), rows)};
+  };
+  const double evidence = evidence_against(leftover(held), leftover(free), left.rows());
+  const std::string closer = share_of_data(left, free.chosen), of_stable = share_of_data(left, held.chosen);
+  const bool refuted = evidence > price_of_assumption;
+  held.members.stands_in = true;
+  FamilyMembers taken = std::move(refuted ? free.members : held.members);
+  taken.set_aside = std::make_shared<const FamilyMembers>(std::move(refuted ? held.members : free.members));
+  taken.models[taken.chosen].remark =
+      refuted ? "The data speak against a stable system: the best stable model of the family leaves " + of_stable +
+                    " of the data (rms), this one " + closer + "."
+              : "The system is taken to be stable: a model with poles right of the imaginary axis leaves " + closer +
+                    " of the data (rms), this one " + of_stable + ".";
+  return taken;
 }
 
 FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {
@@ -95,9 +146,8 @@ FamilyMembers term_members(const TermProblem& problem, const TermFamily& family)
 FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
                          RatioGrowths& ratios) {
   const ResidualRule rule = rule_of(data, options);
-  FamilyMembers members =
-      model.rational ? rational_members(RationalProblem(data, rule), *model.rational, options.component, ratios)
-                     : term_members(TermProblem(data, rule), model.terms.value());
+  FamilyMembers members = model.rational ? rational_members(data, rule, *model.rational, options, ratios)
+                                         : term_members(TermProblem(data, rule), model.terms.value());
   if (members.models.empty()) {
     throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
   }
@@ -126,13 +176,17 @@ FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& m
 
 FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
                           RatioGrowths& ratios) {
-  FamilyMembers members = members_of(data, model, options, ratios);
-  NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
-  best.ends_its_family =
-      open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
-  members.models = {std::move(best)};
-  members.chosen = 0;
+  const auto best_of = [&](FamilyMembers members) {
+    NamedModel& best = members.models.at(members.chosen);
+    best.ends_its_family =
+        open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
+    members.models = {std::move(best)};
+    members.chosen = 0;
+    return members;
+  };
+  FamilyMembers members = best_of(members_of(data, model, options, ratios));
+  if (members.set_aside) members.set_aside = std::make_shared<const FamilyMembers>(best_of(*members.set_aside));
   return members;
 }
 

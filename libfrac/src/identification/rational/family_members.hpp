@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "frac/identification/model_library.hpp"
@@ -23,6 +24,9 @@ struct FamilyMembers {
   /// Whether the chosen one, of more than few_relaxations, follows data to 1e-4 or closer and came there as an
   /// approximation does: residuals fell from pole to pole by about the same factor, and not at once.
   bool approximates = false;
+  /// Where the family came to an unstable member and to another one with stable poles, that which is not taken.
+  std::shared_ptr<const FamilyMembers> set_aside = nullptr;
+  bool stands_in = false;  // with stable poles, for an unstable member
 };
 
 /// An order departs from the whole numbers that is at least that far from each.

@@ -35,14 +35,21 @@ std::vector<double> places(const RationalProblem& problem, int count) {
   return result;
 }
 
-/// Delays from which a search is started, in units of the middle of the band: a fifth of a turn at either end and
-/// between.
+/// Delays from which a search is started, rising, in units of the middle of the band: a fifth of a turn at either end
+/// and between, and every fifth of a turn at the upper end, where the basins of many turns are half a turn wide, as far
+/// as the spacing of the points tells one from another.
 std::vector<double> delays(const RationalProblem& problem) {
+  constexpr double fifth = 1.2;
+  constexpr int most = 400;
   std::vector<double> result;
   for (double at = problem.log_lower(); at <= problem.log_upper() + 0.1;
        at += std::max(0.7, (problem.log_upper() - problem.log_lower()) / 12)) {
-    result.push_back(1.2 * std::exp(-at));
+    result.push_back(fifth * std::exp(-at));
   }
+  const double step = fifth * std::exp(-problem.log_upper());
+  for (int i = 1; i <= most; ++i) result.push_back(i * step);
+  std::erase_if(result, [&](double delay) { return delay > problem.longest_delay(); });
+  std::sort(result.begin(), result.end());
   return result;
 }
 
@@ -99,13 +106,15 @@ RationalGrowth::RationalGrowth(const RationalProblem& problem, const RationalKin
     shape.delay = delay;
     starts.push_back(problem.few().at(shape));
   }
-  members_.push_back(best_refined(problem, std::move(starts), 3));
+  std::vector<RationalFit> minima;
+  add_local_minima(std::move(starts), minima);
+  members_.push_back(best_refined(problem, std::move(minima), 3));
 }
 
 void RationalGrowth::add_real_poles(double order, std::vector<RationalFit>& starts) const {
   for (const double sign : {1.0, -1.0}) {
     // One part alone does not tell a pole from its mirror image.
-    if (sign < 0 && problem_.one_part()) continue;
+    if (sign < 0 && (problem_.one_part() || problem_.poles() != Poles::anywhere)) continue;
     std::vector<PoleFactor> poles;
     for (const double place : places(problem_, sign > 0 ? 14 : 6)) poles.push_back({false, place, 0, sign});
     add_local_minima(along(members_.back().shape, poles, order), starts);
@@ -249,6 +258,12 @@ const RationalLadder& RatioGrowths::ladder(const RationalProblem& problem) {
   const RationalFamily family;
   if (!ladder_) ladder_ = grow_rational(problem, family.fewest_poles, family.most_poles, {}, *this);
   return *ladder_;
+}
+
+RatioGrowths& RatioGrowths::stable() {
+  const std::lock_guard lock(stable_mutex_);
+  if (!stable_) stable_ = std::make_unique<RatioGrowths>();
+  return *stable_;
 }
 
 RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit) {

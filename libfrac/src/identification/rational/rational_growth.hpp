@@ -74,6 +74,8 @@ class RatioGrowths {
   [[nodiscard]] RationalFit without_zeros(const RationalProblem& problem, bool delayed, std::size_t poles);
   /// Of the default family.
   [[nodiscard]] const RationalLadder& ladder(const RationalProblem& problem);
+  /// Those of stable poles, of the same data.
+  [[nodiscard]] RatioGrowths& stable();
 
  private:
   struct Growing {
@@ -92,6 +94,8 @@ class RatioGrowths {
   std::array<Slot, 2> with_zeros_, without_zeros_;  // first without a dead time
   std::mutex ladder_mutex_;
   std::optional<RationalLadder> ladder_;
+  std::mutex stable_mutex_;
+  std::unique_ptr<RatioGrowths> stable_;
 };
 
 /// The fit without what does not pay for itself by schwarz(): zeros beyond the band or far below it, one zero more than

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rational_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -53,11 +55,30 @@ class Writer {
     if (either_sign) constraint.lower = -infinity;
     constraints.push_back(std::move(constraint));
   }
+  /// Positive, and so fitted as its logarithm, where it may be nothing else.
+  void add_damping(const std::string& name, double start, double least) {
+    add(name, start, false);
+    if (least != 0) constraints.back().lower = least;
+  }
   std::vector<ParameterConstraint> constraints;
 
  private:
   bool free_order_;
 };
+
+/// The largest order up to which all pairs of a stable shape stay stable with their dampings in a box, half way between
+/// the order of the shape and the one at which the first of them would be on the imaginary axis: within the box of
+/// smaller orders and dampings above least_sinh_damping() of it every member is stable.
+double most_stable_order(const RationalShape& shape) {
+  double most = most_order;
+  for (const PoleFactor& factor : shape.factors) {
+    const double sine = std::sinh(factor.damping);
+    if (!factor.pair || sine >= least_sinh_damping(most_order)) continue;
+    const double on_axis = 2 / std::numbers::pi * std::acos(std::clamp(-sine, -1.0, 1.0));
+    most = std::min(most, (shape.order + on_axis) / 2);
+  }
+  return std::max(most, shape.order);
+}
 
 }  // namespace
 
@@ -66,6 +87,9 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
   // An order that makes no difference does not appear.
   const bool free_order = shape.searches_order();
   Writer writer(free_order);
+  const bool stable = problem.poles() == Poles::stable;
+  const double greatest_order = stable && free_order ? most_stable_order(shape) : most_order;
+  const double least_damping = 2 * least_sinh_damping(free_order ? greatest_order : 1);
   std::string denominator = shape.integrators > 0 ? power_of_s(shape.integrators, free_order).substr(1) : "";
   std::vector<double> expanded{1};
   std::size_t real = 0, pairs = 0;
@@ -80,7 +104,7 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
                                 : "(s^2/" + w + "^2 + " + d + " s/" + w + " + 1)";
       const double damping = 2 * std::sinh(factor.damping);
       writer.add(w, size, false);
-      writer.add(d, damping, true);
+      writer.add_damping(d, damping, stable ? std::min(least_damping, damping) : -infinity);
       of_factor = {1, damping / in_z, 1 / (in_z * in_z)};
     } else {
       const std::string p = "p" + std::to_string(++real);
@@ -115,7 +139,7 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
     formula = "exp(-L s) (" + formula + ")";
     writer.add("L", shape.delay / centre, false);
   }
-  if (free_order) writer.constraints.push_back({"a", {}, least_order, most_order, shape.order});
+  if (free_order) writer.constraints.push_back({"a", {}, least_order, greatest_order, shape.order});
   NamedModel model{(free_order ? "commensurate:" : "rational:") + std::to_string(shape.degree) + "/" +
                        std::to_string(shape.poles()) + (shape.delayed ? "+delay" : ""),
                    formula, free_order ? ModelClass::fractional : ModelClass::integer_order,

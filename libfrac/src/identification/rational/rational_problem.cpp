@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "base/polynomial.hpp"
+#include "identification/data/physical_properties.hpp"
 #include "identification/search/thinned.hpp"
 
 namespace frac::detail {
@@ -34,6 +36,10 @@ Eigen::ArrayXcd factor_values(const PoleFactor& factor, const Eigen::ArrayXcd& z
   const Eigen::ArrayXcd at = scaled(factor, z, order);
   if (!factor.pair) return factor.sign * at + 1.0;
   return at * at + 2 * std::sinh(factor.damping) * at + 1.0;
+}
+
+double least_stable_damping(double order) {
+  return std::asinh(least_sinh_damping(order) + at_the_edge);
 }
 
 /// Twice as fast as division, which also avoids overflow of the squares: values here lie between e^-200 and e^200.
@@ -137,13 +143,27 @@ void visit_columns(const ProjectedData& data, const RationalShape& shape, bool w
 
 }  // namespace
 
+double least_sinh_damping(double order) {
+  return order == 1 ? 0 : -std::cos(order * std::numbers::pi / 2);
+}
+
+bool is_unstable(const RationalShape& shape) {
+  return std::any_of(shape.factors.begin(), shape.factors.end(), [&](const PoleFactor& factor) {
+    return factor.pair ? std::sinh(factor.damping) < least_sinh_damping(shape.order) - at_the_edge : factor.sign < 0;
+  });
+}
+
 RationalProblem::RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles)
-    : ProjectedData(data, rule), poles_(poles) {
+    : ProjectedData(data, rule),
+      poles_(poles),
+      longest_delay_(std::min(6 * std::exp(-log_lower()), longest_dead_time(data) * centre_omega())) {
   // Up to 12 poles and as many zeros.
   constexpr std::size_t scouted = 80;
   if (2 * data.size() < 3 * scouted) return;
   const Thinned thin = thinned(data, rule, scouted);
-  few_ = std::make_shared<const RationalProblem>(thin.data, thin.rule, poles);
+  const auto few = std::make_shared<RationalProblem>(thin.data, thin.rule, poles);
+  few->longest_delay_ = longest_delay_;
+  few_ = few;
 }
 
 std::size_t RationalShape::poles() const {
@@ -205,7 +225,9 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
 
 Reach RationalProblem::reach(const RationalShape& shape) const {
   constexpr double e_folds = 2, of_order = 0.2;
-  const double least_damping = poles_ == Poles::stable ? 0 : -most_damping;
+  const double least_damping = poles_ == Poles::anywhere ? -most_damping
+                               : poles_ == Poles::stable ? least_stable_damping(shape.order)
+                                                         : 0;
   Reach result;
   const double beyond = beyond_band / shape.order;
   for (const PoleFactor& factor : shape.factors) {
@@ -214,7 +236,7 @@ Reach RationalProblem::reach(const RationalShape& shape) const {
   }
   // Radians at the upper end of the band, or as much again.
   if (shape.delayed) {
-    result.add(std::max(shape.delay, e_folds * std::exp(-log_upper())), shape.delay, 0, 6 * std::exp(-log_lower()));
+    result.add(std::max(shape.delay, e_folds * std::exp(-log_upper())), shape.delay, 0, longest_delay_);
   }
   if (shape.searches_order()) result.add(of_order, shape.order, least_order, most_order);
   return result;
@@ -229,12 +251,21 @@ RationalShape RationalProblem::stepped(const RationalShape& shape, const Eigen::
   }
   if (shape.delayed) next.delay += step[column++];
   if (shape.searches_order()) next.order += step[column++];
+  keep_in_sector(next);
   sort_by_size(next.factors);
   return next;
 }
 
+void RationalProblem::keep_in_sector(RationalShape& shape) const {
+  if (poles_ != Poles::stable) return;
+  for (PoleFactor& factor : shape.factors) {
+    if (factor.pair) factor.damping = std::max(factor.damping, least_stable_damping(shape.order));
+  }
+}
+
 RationalFit RationalProblem::at(const RationalShape& shape) const {
   RationalFit fit{shape, infinity, 0};
+  keep_in_sector(fit.shape);
   sort_by_size(fit.shape.factors);
   const std::optional<Projection> projection = project(columns(fit.shape));
   if (!projection) return fit;
@@ -244,6 +275,7 @@ RationalFit RationalProblem::at(const RationalShape& shape) const {
 }
 
 RationalFit RationalProblem::searched(RationalShape shape, const Effort& effort) const {
+  keep_in_sector(shape);
   sort_by_size(shape.factors);
   Linear linear;
   if (!gauss_newton(*this, *this, shape, linear, effort)) return {shape, infinity, 0};
@@ -263,6 +295,18 @@ RationalFit RationalProblem::refine(const RationalShape& start, const Effort& ef
   }
   split_real_pairs(fit.shape);
   return fit;
+}
+
+double RationalProblem::correlation(const RationalShape& shape) const {
+  Linear linear;
+  if (!solve(columns(shape), linear)) return 0;
+  // Real parts stand before imaginary ones.
+  const std::size_t points = log_omega().size();
+  double product = 0;
+  for (std::size_t i = 1; i < rows(); ++i) {
+    if (i % points != 0) product += linear.residual[static_cast<Index>(i)] * linear.residual[static_cast<Index>(i - 1)];
+  }
+  return linear.cost > 0 ? product / linear.cost : 0;
 }
 
 std::vector<double> RationalProblem::residual_sizes(const RationalShape& shape) const {

@@ -54,7 +54,21 @@ struct RationalFit {
 };
 
 /// Where poles in z may lie.
-enum class Poles { anywhere, stable /* not in the right half plane */ };
+enum class Poles {
+  anywhere,
+  left_half_plane,  // of z, which is stable for orders up to 1 and leaves some stable ones out below
+  /// |arg z| >= order pi/2: the s-plane's left half and its axis, on the principal sheet.
+  stable,
+};
+
+/// What a pair keeps from the edge of the stable sector, as sinh(damping): at 1e-8 of its frequency the edge is met to
+/// the rounding of any data, so that a free pair is on it, and a held one strictly inside.
+inline constexpr double at_the_edge = 1e-8;
+/// sinh(damping) of a pair of poles on the imaginary axis: z^2 + 2 sinh(damping) z + 1 has roots of the argument order
+/// pi/2 there.
+[[nodiscard]] double least_sinh_damping(double order);
+/// Whether a pole lies right of the imaginary axis.
+[[nodiscard]] bool is_unstable(const RationalShape& shape);
 
 /// Weighted least squares of rational functions of z = s^order by variable projection: the residuals are linear in the
 /// numerator, so only poles, delay and order are searched for.
@@ -73,6 +87,11 @@ class RationalProblem : public ProjectedData {
   [[nodiscard]] Eigen::MatrixXcd columns_of(const PoleFactor& factor, const RationalShape& shape) const;
   /// Searches from the shape.  Poles change kind on the way.
   [[nodiscard]] RationalFit refine(const RationalShape& start, const Effort& effort) const;
+  [[nodiscard]] Poles poles() const { return poles_; }
+  /// In units of 1/(middle of the band): a turn at the lower end, or as far as the spacing of the points tells.
+  [[nodiscard]] double longest_delay() const { return longest_delay_; }
+  /// Correlation of neighbouring residuals.
+  [[nodiscard]] double correlation(const RationalShape& shape) const;
   /// Size of the residual at each point.
   [[nodiscard]] std::vector<double> residual_sizes(const RationalShape& shape) const;
   /// Values at the frequencies of the data; empty where the model overflows.
@@ -87,9 +106,12 @@ class RationalProblem : public ProjectedData {
   [[nodiscard]] RationalShape stepped(const RationalShape& shape, const Eigen::VectorXd& step) const;
 
  private:
+  /// Pairs beyond the stable sector go to its edge.
+  void keep_in_sector(RationalShape& shape) const;
   [[nodiscard]] RationalFit searched(RationalShape shape, const Effort& effort) const;
 
   Poles poles_;
+  double longest_delay_;
   std::shared_ptr<const RationalProblem> few_;
 };
 

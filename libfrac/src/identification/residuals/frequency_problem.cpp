@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "identification/data/fit_data.hpp"
+#include "identification/data/physical_properties.hpp"
 
 namespace frac::detail {
 namespace {
@@ -31,14 +34,35 @@ DataScale data_scale(const FrequencyResponseData& data) {
           std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
 }
 
+/// Constraints with an upper limit for each delay that has none, where points are so far apart that it is below the
+/// default of ParameterConstraint.
+std::vector<ParameterConstraint> with_limits_of_spacing(const Structure& structure, const FrequencyResponseData& data,
+                                                        std::vector<ParameterConstraint> constraints) {
+  const double limit = longest_dead_time(data);
+  if (!(limit * data_scale(data).omega_lower < 2 * std::numbers::pi)) return constraints;
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
+    const std::string& name = structure.parameter_names()[i];
+    const auto given = std::find_if(constraints.begin(), constraints.end(),
+                                    [&](const ParameterConstraint& each) { return each.name == name; });
+    if (given == constraints.end()) {
+      constraints.push_back({name, {}, {}, limit, {}});
+    } else if (!given->fixed && !given->upper && !(given->lower > limit)) {
+      given->upper = std::max(limit, 2 * given->start.value_or(0));
+    }
+  }
+  return constraints;
+}
+
 }  // namespace
 
 FrequencyProblem::FrequencyProblem(const FrequencyResponseData& given, const Structure& model, const FitOptions& wanted)
-    : Problem(model, wanted.constraints, data_scale(given), wanted.component == Component::magnitude),
+    : Problem(model, with_limits_of_spacing(model, given, wanted.constraints), data_scale(given),
+              wanted.component == Component::magnitude),
       data(given),
       options(wanted),
       rule(residual_rule(given, wanted)),
-      residuals_(given, model, options.realisation, map, rule) {
+      residuals_(given, model, options.realisation, map, rule, options.assumptions.stable == true) {
   unit = rule.unit;
   residuals_.set_priors(priors, expected_noise);
 }
@@ -58,7 +82,7 @@ FrequencyProblem::FrequencyProblem(const FrequencyProblem& like, std::vector<Par
       data(like.data),
       options(like.options),
       rule(like.rule),
-      residuals_(data, structure, options.realisation, map, rule) {
+      residuals_(data, structure, options.realisation, map, rule, options.assumptions.stable == true) {
   unit = rule.unit;
   residuals_.set_priors(priors, like.residuals_.prior_weight());
 }

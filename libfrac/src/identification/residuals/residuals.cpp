@@ -7,6 +7,7 @@
 
 #include "base/wide_vectors.hpp"
 #include "frac/cancellation.hpp"
+#include "identification/data/physical_properties.hpp"
 #include "linear_start.hpp"
 
 namespace frac::detail {
@@ -42,12 +43,13 @@ double Residuals::cost(std::span<const double> theta) const {
 
 FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure,
                                        const Realisation& realisation, const ParameterMap& map,
-                                       const ResidualRule& rule)
+                                       const ResidualRule& rule, bool only_stable)
     : Residuals(map),
       data_(data),
       structure_(structure),
       realisation_(realisation),
       rule_(rule),
+      only_stable_(only_stable),
       value_(data.size()),
       gradient_(data.size() * map.parameter_count()),
       by_theta_(data.size()) {}
@@ -77,6 +79,10 @@ bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residua
     structure_.response(parameters, data_.omega(), realisation_, value_);
   }
   if (!rule_.residuals(value_, data_.value(), residual)) return false;
+  // A finite wall, which a solver steps back from; one that is not finite would stop it after a few steps.
+  constexpr double wall = 1e6;
+  const double height = only_stable_ && is_unstable(structure_, parameters).value_or(false) ? wall : 1;
+  if (height != 1) std::for_each_n(residual, count(), [&](double& each) { each *= height; });
   if (!jacobian) return true;
 
   // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
@@ -87,6 +93,7 @@ bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residua
       if (entry.free == k) add_multiple(entry.derivative, gradient_.data() + entry.parameter * points(), by_theta_);
     }
     if (!rule_.derivatives(value_, by_theta_, jacobian + k * count())) return false;
+    if (height != 1) std::for_each_n(jacobian + k * count(), count(), [&](double& each) { each *= height; });
   }
   return true;
 }

@@ -84,8 +84,9 @@ class Residuals {
 /// Residuals of a structure to a frequency response, in units of the rule.
 class FrequencyResiduals final : public Residuals {
  public:
+  /// @param only_stable  whether unstable models cost a million times as much, squared
   FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
-                     const ParameterMap& map, const ResidualRule& rule);
+                     const ParameterMap& map, const ResidualRule& rule, bool only_stable = false);
 
   [[nodiscard]] std::size_t points() const noexcept override { return data_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return rule_.per_point(); }
@@ -100,6 +101,7 @@ class FrequencyResiduals final : public Residuals {
   const Structure& structure_;
   const Realisation& realisation_;
   const ResidualRule& rule_;
+  bool only_stable_;
   mutable std::vector<std::complex<double>> value_;
   mutable std::vector<std::complex<double>> gradient_;
   mutable std::vector<std::complex<double>> by_theta_;  // a column

@@ -17,7 +17,8 @@ struct FewResiduals {
   FewResiduals(const FrequencyProblem& problem, const FrequencyResponseData& data, const ResidualRule& rule,
                std::size_t count)
       : points(thinned(data, rule, count)),
-        residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule) {
+        residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule,
+                  problem.options.assumptions.stable == true) {
     residuals.set_priors(problem.priors, expected_noise);
   }
   Thinned points;

@@ -248,6 +248,7 @@ void describe_residuals(FitResult& result, const Residuals& residuals, const Loc
       detail::information(residual, found.effective() + static_cast<double>(residuals.eliminated()), unit);
   result.cost = information.cost;
   result.rms = information.rms;
+  result.relative_rms = information.rms / unit;
   result.max_residual = information.max_residual;
   result.aicc = information.aicc;
   result.bic = information.bic;

@@ -17,6 +17,7 @@ struct Competitor {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
+  bool stands_in = false;  // for an unstable member of its family, which takes part in the verdict
 
   [[nodiscard]] bool is_fractional() const { return ranked.model_class == ModelClass::fractional; }
   [[nodiscard]] double parameters() const { return static_cast<double>(ranked.fit.free_parameters); }

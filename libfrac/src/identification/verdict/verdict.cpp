@@ -106,13 +106,14 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
                                  evidence_to_decide(result.evidence));
   // Where the two are one model in two spellings, nothing tells them apart.
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
-  if (result.next) result.verdict_sentence += advice(*result.next, noise, axis_unit(data));
+  if (result.next) result.notes.push_back(advice(*result.next, noise, axis_unit(data)));
 }
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
 void call_inadequate(IdentificationResult& result, const AxisUnit& unit) {
   result.verdict = Verdict::no_adequate_model;
-  result.verdict_sentence = sentence_without_model(result.ranking.at(result.chosen), unit);
+  result.verdict_sentence = sentence_without_model(result.ranking.at(result.chosen));
+  result.notes = {note_without_model(result.ranking.at(result.chosen), unit)};
 }
 
 /// Whether a ratio was grown from the data and no fractional family was.
@@ -167,7 +168,8 @@ void compare(IdentificationResult& result, const Data& data, const Options& opti
   if (result.model_error && undecided) return call_inadequate(result, axis_unit(data));
   if (undecided && !skipped_rivals.empty()) decided.reason += advice_on_skipped(data, options);
   result.verdict = decided.verdict;
-  result.verdict_sentence = verdict_sentence(result, pair, decided, axis_unit(data));
+  result.verdict_sentence = verdict_sentence(result, pair, decided);
+  result.notes = verdict_notes(result, pair, decided, axis_unit(data));
   if (undecided) suggest_next(result, data, options, pair);
 }
 

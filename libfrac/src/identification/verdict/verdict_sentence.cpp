@@ -10,11 +10,6 @@
 namespace frac::detail {
 namespace {
 
-std::string described(const RankedFit& ranked) {
-  return "'" + ranked.name + "' (" + counted(ranked.fit.free_parameters, "parameter") + ", rms " +
-         four_digits(ranked.fit.rms) + ")";
-}
-
 /// What shows that residuals are not noise: their size where it exceeds the noise, else that they follow each other.
 std::string how_far_off(const LackOfFit& lack) {
   const std::string correlated = " are correlated by " + four_digits(lack.correlation);
@@ -37,27 +32,38 @@ std::string rms_text(double rms) {
   return std::isfinite(rms) ? four_digits(rms) : "none (what is left does not determine the model)";
 }
 
-/// Names the departure evidence where the odds follow from it although evidence has the other sign.
-std::string evidence_and_odds(const IdentificationResult& result, bool departing) {
-  const bool told_apart = departing && (result.evidence > 0) != (result.departure_evidence > 0);
-  return "evidence " + four_digits(result.evidence) +
-         (told_apart ? ", that of orders other than whole " + four_digits(result.departure_evidence) : "") + " (odds " +
-         four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for " +
-         (result.log10_odds > 0 ? "the fractional one"
-          : told_apart          ? "whole orders"
-                                : "the integer-order one") +
-         ", had they been equal before)";
+/// The departure evidence is named where the odds follow from it although evidence has the other sign.
+bool told_apart(const IdentificationResult& result, bool departing) {
+  return departing && (result.evidence > 0) != (result.departure_evidence > 0);
+}
+
+std::string odds(const IdentificationResult& result, bool departing) {
+  return "odds " + four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for " +
+         (result.log10_odds > 0           ? "the fractional one"
+          : told_apart(result, departing) ? "whole orders"
+                                          : "the integer-order one");
 }
 
 std::string compared(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
+  return described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", " +
+         odds(result, departure_decides(result, pair, verdict));
+}
+
+std::string note_on_evidence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling) {
+  const bool both = told_apart(result, departure_decides(result, pair, ruling.verdict));
+  return "Evidence is " + four_digits(result.evidence) +
+         (both ? ", that of orders other than whole " + four_digits(result.departure_evidence) : "") + ruling.reason +
+         "; the odds are those of two classes that were equal before.";
+}
+
+std::string note_on_predictions(const IdentificationResult& result) {
   const Finalist &f = *result.fractional, &i = *result.integer;
-  std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", " +
-                     evidence_and_odds(result, departure_decides(result, pair, verdict)) + ", predictions to rms " +
-                     rms_text(f.prediction_rms) + " against " + rms_text(i.prediction_rms);
+  std::string text =
+      "Left-out points are predicted to rms " + rms_text(f.prediction_rms) + " against " + rms_text(i.prediction_rms);
   if (!std::isnan(f.extrapolation_rms) && !std::isnan(i.extrapolation_rms)) {
     text += ", half a decade beyond to " + rms_text(f.extrapolation_rms) + " against " + rms_text(i.extrapolation_rms);
   }
-  return text;
+  return text + ".";
 }
 
 std::string decided_order(const Orders& orders) {
@@ -67,16 +73,10 @@ std::string decided_order(const Orders& orders) {
          " to " + four_digits(order.ci95_upper) + ")";
 }
 
-std::string model_error_and_difference(const IdentificationResult& result, const AxisUnit& unit) {
-  std::string text;
-  if (result.model_error) {
-    text = "; neither follows the data to within their noise, and what is left is taken for model error";
-  }
-  if (!std::isnan(result.differ_most)) {
-    text += "; outside the data they differ most at " + unit.text(result.differ_most_omega) + " " +
-            std::string(unit.name) + ", by " + four_digits(100 * result.differ_most) + " %";
-  }
-  return text;
+std::string note_on_misses(const char* which, const RankedFit& ranked, const AxisUnit& unit) {
+  return std::string("The ") + which +
+         " one does not follow the data to within their noise: " + how_far_off(ranked.lack_of_fit) +
+         list_of_bands(ranked.lack_of_fit, unit) + ".";
 }
 
 /// For whoever needs a model all the same.
@@ -84,7 +84,7 @@ std::string what_may_be_used(const Comparison& pair) {
   const auto needed = [](const Competitor& each) { return each.ranked.fit.free_parameters; };
   if (!pair.fractional_follows || !pair.integer_follows || needed(pair.fractional) == needed(pair.integer)) return "";
   const Competitor& simpler = needed(pair.fractional) < needed(pair.integer) ? pair.fractional : pair.integer;
-  return " Both follow the data, '" + simpler.ranked.name + "' with fewer parameters.";
+  return "Both follow the data, '" + simpler.ranked.name + "' with fewer parameters.";
 }
 
 }  // namespace
@@ -101,35 +101,55 @@ std::string unfitted(const std::vector<std::string>& rivals) {
   return text + " could not be fitted";
 }
 
-std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
-                             const AxisUnit& unit) {
+std::string described(const RankedFit& ranked) {
+  return "'" + ranked.name + "' (" + counted(ranked.fit.free_parameters, "parameter") + ", rms " +
+         four_digits(100 * ranked.fit.relative_rms) + " %)";
+}
+
+std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling) {
   const std::string rivals = compared(result, pair, ruling.verdict);
   switch (ruling.verdict) {
     case Verdict::fractional_supported:
-      return "A fractional order is supported: " + rivals + decided_order(pair.orders) +
-             (pair.integer_follows || result.model_error ? "" : "; no integer-order candidate follows the data") +
-             model_error_and_difference(result, unit) + ".";
-    case Verdict::fractional_not_supported: {
-      const LackOfFit& lack = pair.fractional.ranked.lack_of_fit;
-      const std::string miss = "; the fractional one misses the data: " + how_far_off(lack) + list_of_bands(lack, unit);
-      return "A fractional order is not supported: " + rivals + ruling.reason +
-             (pair.fractional_follows || result.model_error ? "" : miss) + model_error_and_difference(result, unit) +
-             ".";
-    }
+      return "A fractional order is supported: " + rivals + decided_order(pair.orders) + ".";
+    case Verdict::fractional_not_supported:
+      return "A fractional order is not supported: " + rivals + ".";
     default:
-      return "The data do not tell: " + rivals + ruling.reason + "." + what_may_be_used(pair);
+      return "The data do not tell: " + rivals + ".";
   }
 }
 
-std::string sentence_without_model(const RankedFit& best, const AxisUnit& unit) {
-  return "No candidate describes these data to within their noise: the best is " + described(best) + "; " +
-         how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
+std::vector<std::string> verdict_notes(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
+                                       const AxisUnit& unit) {
+  std::vector<std::string> notes{note_on_evidence(result, pair, ruling), note_on_predictions(result)};
+  if (result.model_error) {
+    notes.emplace_back("Neither follows the data to within their noise, and what is left is taken for model error.");
+  } else {
+    if (!pair.fractional_follows) notes.push_back(note_on_misses("fractional", pair.fractional.ranked, unit));
+    if (!pair.integer_follows) notes.push_back(note_on_misses("integer-order", pair.integer.ranked, unit));
+  }
+  if (ruling.verdict == Verdict::undecided) {
+    if (std::string usable = what_may_be_used(pair); !usable.empty()) notes.push_back(std::move(usable));
+  } else if (!std::isnan(result.differ_most)) {
+    notes.push_back("Outside the data they differ most at " + unit.text(result.differ_most_omega) + " " +
+                    std::string(unit.name) + ", by " + four_digits(100 * result.differ_most) + " %.");
+  }
+  return notes;
+}
+
+std::string sentence_without_model(const RankedFit& best) {
+  return "No candidate describes these data to within their noise: the best is " + described(best) + ".";
+}
+
+std::string note_without_model(const RankedFit& best, const AxisUnit& unit) {
+  std::string text = how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
+  text.front() = 'I';  // "its"
+  return text;
 }
 
 std::string advice(const NextMeasurement& next, double noise, const AxisUnit& unit) {
   const std::string less =
       next.accuracy < noise ? ", " + four_digits(noise / next.accuracy) + " times less than here" : "";
-  return " To decide, measure " + counted(next.points, "point") + " from " + unit.text(next.lower) + " to " +
+  return "To decide, measure " + counted(next.points, "point") + " from " + unit.text(next.lower) + " to " +
          unit.text(next.upper) + " " + std::string(unit.name) + " with noise of " +
          four_digits(100 * next.relative_accuracy) + " % of the response" + less + " (expected evidence " +
          four_digits(next.expected_evidence) + ").";

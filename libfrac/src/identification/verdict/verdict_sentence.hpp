@@ -20,13 +20,19 @@ struct AxisUnit {
 /// "the rival 'zener' could not be fitted"
 [[nodiscard]] std::string unfitted(const std::vector<std::string>& rivals);
 
-/// The sentence of a verdict that compares two finalists.
+/// Name, number of parameters, and rms as a share of the data.
+[[nodiscard]] std::string described(const RankedFit& ranked);
+
+/// The sentence of a verdict that compares two finalists, and what is to be known beside it, a sentence each.
 /// @param unit  of the axis of the data
 [[nodiscard]] std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair,
-                                           const Ruling& ruling, const AxisUnit& unit);
+                                           const Ruling& ruling);
+[[nodiscard]] std::vector<std::string> verdict_notes(const IdentificationResult& result, const Comparison& pair,
+                                                     const Ruling& ruling, const AxisUnit& unit);
 
-/// The sentence where no candidate follows the data.
-[[nodiscard]] std::string sentence_without_model(const RankedFit& best, const AxisUnit& unit);
+/// The same where no candidate follows the data.
+[[nodiscard]] std::string sentence_without_model(const RankedFit& best);
+[[nodiscard]] std::string note_without_model(const RankedFit& best, const AxisUnit& unit);
 
 /// What to measure next.
 /// @param noise     of the data at hand, as next.accuracy

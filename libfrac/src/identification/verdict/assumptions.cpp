@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identification/verdict/assumptions.hpp"
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "base/short_text.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/data/physical_properties.hpp"
+#include "identification/statistics/assumption_evidence.hpp"
+#include "identification/statistics/information.hpp"
+#include "identification/verdict/finalists.hpp"
+#include "identification/verdict/verdict_sentence.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// What a model does that is taken not to be.
+struct Liberties {
+  bool unstable = false, active = false, delayed = false;
+};
+
+/// Liberties of the candidates of a ranking; each is looked at once, when it is asked for.
+class Candidates {
+ public:
+  Candidates(const std::vector<Competitor>& competitors, const FrequencyResponseData& data, const FitOptions& options)
+      : competitors_(competitors), data_(data), options_(options), liberties_(competitors.size()) {}
+
+  [[nodiscard]] const Competitor& operator[](std::size_t i) const { return competitors_.at(i); }
+  const Liberties& liberties(std::size_t i) {
+    if (!liberties_[i]) liberties_[i] = liberties_of(competitors_[i].ranked);
+    return *liberties_[i];
+  }
+  /// The candidate of the class of `chosen` with the least criterion that `keeps` says yes to.
+  template <class Keeps>
+  std::optional<std::size_t> best(std::size_t chosen, const Keeps& keeps) {
+    std::optional<std::size_t> found;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < competitors_.size(); ++i) {
+      const Competitor& each = competitors_[i];
+      const bool rival = each.ranked.model_class == competitors_[chosen].ranked.model_class && is_comparable(each) &&
+                         each.ranked.fit.termination == FitTermination::converged;
+      if (!rival || !(criterion(each) < least) || !keeps(liberties(i))) continue;
+      least = criterion(each);
+      found = i;
+    }
+    return found;
+  }
+  [[nodiscard]] double correlation(std::size_t i) const {
+    return autocorrelation(competitors_[i].residual, residuals_per_point(data_, options_), 1);
+  }
+  /// "'lag' (2 parameters, rms 1.2 %) against 'lag-delay' (3 parameters, rms 1.1 %), evidence 0.3"
+  [[nodiscard]] std::string comparison(std::size_t without, std::size_t chosen, double evidence) const {
+    return described(competitors_[without].ranked) + " against " + described(competitors_[chosen].ranked) +
+           ", evidence for the latter " + four_digits(evidence);
+  }
+
+ private:
+  [[nodiscard]] Liberties liberties_of(const RankedFit& ranked) const {
+    Liberties result;
+    const Assumptions& assumptions = options_.assumptions;
+    if (ranked.model_class == ModelClass::fixed_curve) return result;
+    if (assumptions.stable.value_or(true)) result.unstable = is_unstable(ranked.fit).value_or(false);
+    if (assumptions.passive) result.active = active_place(ranked.fit, data_).has_value();
+    if (!assumptions.dead_time) result.delayed = has_dead_time(Structure(ranked.fit.model));
+    return result;
+  }
+
+  const std::vector<Competitor>& competitors_;
+  const FrequencyResponseData& data_;
+  const FitOptions& options_;
+  std::vector<std::optional<Liberties>> liberties_;
+};
+
+void choose(IdentificationResult& result, std::size_t index) {
+  if (!result.set_aside) result.set_aside = result.chosen;
+  result.chosen = index;
+}
+
+void keep_to_physics(IdentificationResult& result, const FitOptions& options, Candidates& candidates) {
+  const std::size_t chosen = result.chosen;
+  const Liberties taken = candidates.liberties(chosen);
+  const int count = int{taken.unstable} + int{taken.active};
+  if (count == 0) return;
+  const std::string what = !taken.active     ? "poles right of the imaginary axis"
+                           : !taken.unstable ? "a negative real part"
+                                             : "poles right of the imaginary axis and a negative real part";
+  const auto without = candidates.best(chosen, [](const Liberties& each) { return !each.unstable && !each.active; });
+  if (!without) {
+    result.notes.push_back("'" + candidates[chosen].ranked.name + "' has " + what +
+                           ", and no candidate of its class is without.");
+    return;
+  }
+  const auto leftover = [&](std::size_t i) {
+    return Leftover{
+        candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
+        price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
+  };
+  const double evidence = evidence_against(leftover(*without), leftover(chosen), candidates[chosen].residual.size());
+  const std::string comparison = candidates.comparison(*without, chosen, evidence);
+  const bool excluded = options.assumptions.stable == true && taken.unstable;
+  if (evidence > count * price_of_assumption && !excluded) {
+    result.notes.push_back("The data speak for " + what + ": " + comparison + ".");
+    return;
+  }
+  result.notes.push_back("Chosen is a model without " + what + ": " + comparison + ".");
+  choose(result, *without);
+}
+
+/// A dead time is nothing that a system has or has not by its nature.  It pays the price of its parameter by Schwarz's
+/// criterion, where it saves those of the poles and zeros that approximate it.
+void keep_to_no_dead_time(IdentificationResult& result, Candidates& candidates) {
+  const std::size_t chosen = result.chosen;
+  const Liberties taken = candidates.liberties(chosen);
+  if (!taken.delayed) return;
+  const auto without = candidates.best(chosen, [&](const Liberties& each) {
+    return !each.delayed && each.unstable <= taken.unstable && each.active <= taken.active;
+  });
+  if (!without) return;
+  const double evidence = (criterion(candidates[*without]) - criterion(candidates[chosen])) *
+                          independent_share(candidates.correlation(*without));
+  const std::string comparison = candidates.comparison(*without, chosen, evidence);
+  if (evidence > price_of_dead_time) {
+    result.notes.push_back("The data speak for a dead time: " + comparison + ".");
+    return;
+  }
+  result.notes.push_back("Chosen is a model without a dead time: " + comparison + ".");
+  choose(result, *without);
+}
+
+}  // namespace
+
+void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                         const std::vector<Competitor>& competitors) {
+  Candidates candidates(competitors, data, options);
+  keep_to_physics(result, options, candidates);
+  keep_to_no_dead_time(result, candidates);
+}
+
+}  // namespace frac::detail
