@@ -20,8 +20,6 @@ constexpr Index degree = 18;
 constexpr double negligible = 1e-19;
 // Looked at for one rise: a hundred times what flights take whose size is far above their rounding.
 constexpr int most_intervals = 20'000;
-// Sizes of the left eigenvectors of modes that are still told apart.
-constexpr double most_skew = 1e6;
 
 // Number of slow ones among the eigenvalues by rising modulus: the widest gap above the pace decides.
 Index slow_count(const std::vector<double>& moduli, double pace) {
@@ -67,7 +65,7 @@ struct FastSpace {
   Matrix columns, rows;
 };
 
-FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
+FastSpace fast_space(const Modes& right, const Modes& left, double pace, double most_skew) {
   const auto size = static_cast<Index>(right.order.size());
   std::vector<double> moduli;
   for (const Index i : right.order) moduli.push_back(std::abs(right.all.values[i]));
@@ -103,14 +101,15 @@ FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
 
 }  // namespace
 
-LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : scale_(sizes) {
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes, double most_skew)
+    : scale_(sizes) {
   const Index size = a.rows();
   // Powers of two, so that scaling rounds nothing.
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
   const Eigen::VectorXd& scale = scale_;
   const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
   const Modes modes(scaled);
-  const auto [slow, columns, rows] = fast_space(modes, Modes(scaled.transpose()), pace);
+  const auto [slow, columns, rows] = fast_space(modes, Modes(scaled.transpose()), pace, most_skew);
   const Index fast = size - slow;
   if (fast == 0) {
     // As they are: over a million flights the rounding of a change of basis would add up.
@@ -157,6 +156,24 @@ LinearFlight::Form LinearFlight::form(const Eigen::RowVectorXd& row) const {
     if (rates_[i].imag() != 0) result.fast[i] *= 2;
   }
   return result;
+}
+
+Matrix LinearFlight::transition(double t) const {
+  // Slow modes by Taylor's series of a part 2^-halvings of the time, whose rest is below .5^19/19! = 2e-23, and squares.
+  const double size = slow_.norm() * std::abs(t);
+  const int halvings = size > 0.5 ? static_cast<int>(std::ceil(std::log2(size / 0.5))) : 0;
+  const Matrix part = slow_ * std::ldexp(t, -halvings);
+  const Matrix one = Matrix::Identity(slow_.rows(), slow_.cols());
+  Matrix slow = one;
+  for (Index j = degree; j > 0; --j) slow = one + part * slow / static_cast<double>(j);
+  for (int i = 0; i < halvings; ++i) slow = (slow * slow).eval();
+  Matrix result = slow_basis_ * slow * to_slow_;
+  for (Index i = 0; i < rates_.size(); ++i) {
+    const Complex decay = rates_[i].imag() == 0 ? Complex(std::exp(rates_[i].real() * t)) : std::exp(rates_[i] * t);
+    const double copies = rates_[i].imag() != 0 ? 2 : 1;
+    result += copies * (fast_basis_.col(i) * decay * to_fast_.row(i)).real();
+  }
+  return scale_.asDiagonal() * result;
 }
 
 FlightPath::FlightPath(const LinearFlight& flight, const Eigen::VectorXd& state)
