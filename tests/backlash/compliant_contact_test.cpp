@@ -67,14 +67,14 @@ TEST(FreeContact, IsSmoothAtCriticalDamping) {
 
 TEST(FreeContact, RefusesWhatIsNone) {
   using support::expect_invalid_argument;
-  expect_invalid_argument([] { CompliantContact(0, 1); }, {"contact stiffness is 0", "positive", "N/m"});
-  expect_invalid_argument([] { CompliantContact(1, -2); }, {"contact damping is -2", "not negative"});
-  expect_invalid_argument([] { CompliantContact(NAN, 1); }, {"contact stiffness is nan"});
-  expect_invalid_argument([] { (void)CompliantContact::from_frequency(-1, 0, 1, 1); }, {"contact frequency is -1"});
-  expect_invalid_argument([] { (void)CompliantContact::from_frequency(1, -1, 1, 1); }, {"contact ratio is -1"});
-  expect_invalid_argument([] { (void)CompliantContact::from_frequency(1e200, 1, 1, 1); }, {"contact stiffness is inf"});
-  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(0); }, {"restitution is 0", "(0, 1]"});
-  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(1.1); }, {"restitution is 1.1"});
+  expect_invalid_argument([] { CompliantContact(0, 1); }, {"contact_stiffness is 0", "positive", "N/m"});
+  expect_invalid_argument([] { CompliantContact(1, -2); }, {"contact_damping is -2", "not negative"});
+  expect_invalid_argument([] { CompliantContact(NAN, 1); }, {"contact_stiffness is nan"});
+  expect_invalid_argument([] { (void)CompliantContact::from_frequency(-1, 0, 1, 1); }, {"contact_frequency is -1"});
+  expect_invalid_argument([] { (void)CompliantContact::from_frequency(1, -1, 1, 1); }, {"contact_ratio is -1"});
+  expect_invalid_argument([] { (void)CompliantContact::from_frequency(1e200, 1, 1, 1); }, {"contact_stiffness is inf"});
+  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(0); }, {"contact_restitution is 0", "(0, 1]"});
+  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(1.1); }, {"contact_restitution is 1.1"});
 }
 
 }  // namespace

@@ -59,11 +59,11 @@ class Integration {
 
   void advance(Real until) {
     while (time_ < until) {
-      const Real length = std::min(step_, until - time_);
+      const Real length = std::min(may_turn() ? step_ / 32 : step_, until - time_);
       State next = step(length);
       if (!meets_event(next, time_ + length)) {
         z_ = next;
-        time_ = until - time_ <= step_ ? until : time_ + length;
+        time_ = length == until - time_ ? until : time_ + length;
         continue;
       }
       Real low = 0, high = length;
@@ -135,6 +135,14 @@ class Integration {
   [[nodiscard]] Real friction(std::size_t body) const { return body == 0 ? m_.coulomb1 : m_.coulomb2; }
   [[nodiscard]] static Real speed(const State& z, std::size_t body) { return z[body == 0 ? v1 : v2]; }
 
+  // A velocity may pass 0 and come back within a step, at whose end nothing would be seen.
+  [[nodiscard]] bool may_turn() const {
+    const State slope = field(z_, time_);
+    for (std::size_t i = 0; i < 2; ++i)
+      if (friction(i) != 0 && slide_[i] != 0 && std::abs(speed(z_, i)) < 3 * step_ * std::abs(slope[i == 0 ? v1 : v2]))
+        return true;
+    return false;
+  }
   [[nodiscard]] bool meets_event(const State& z, Real t) const {
     const Real y = z[x2] - z[x1];
     if (wall_ != 0) {

@@ -28,13 +28,13 @@ double reduced_mass(double mass1, double mass2) {
 }  // namespace
 
 CompliantContact::CompliantContact(double stiffness, double damping) : stiffness_(stiffness), damping_(damping + 0.0) {
-  detail::require_positive("contact stiffness", "N/m", stiffness);
-  detail::require_not_negative("contact damping", "N s/m", damping);
+  detail::require_positive("contact_stiffness", "N/m", stiffness);
+  detail::require_not_negative("contact_damping", "N s/m", damping);
 }
 
 CompliantContact CompliantContact::from_frequency(double frequency, double damping_ratio, double mass1, double mass2) {
-  detail::require_positive("contact frequency", "rad/s", frequency);
-  detail::require_not_negative("contact ratio", "", damping_ratio);
+  detail::require_positive("contact_frequency", "rad/s", frequency);
+  detail::require_not_negative("contact_ratio", "", damping_ratio);
   detail::require_positive("mass1", "kg", mass1);
   detail::require_positive("mass2", "kg", mass2);
   const double mass = reduced_mass(mass1, mass2);
@@ -51,13 +51,13 @@ FreeContact free_contact(const CompliantContact& contact, double mass1, double m
 }
 
 double restitution_of_damping_ratio(double damping_ratio) {
-  detail::require_not_negative("contact ratio", "", damping_ratio);
+  detail::require_not_negative("contact_ratio", "", damping_ratio);
   return std::exp(-2 * damping_ratio * half_duration(damping_ratio));
 }
 
 double damping_ratio_of_restitution(double restitution) {
   if (!(restitution > 0 && restitution <= 1))
-    throw std::invalid_argument("restitution is " + detail::text(restitution) +
+    throw std::invalid_argument("contact_restitution is " + detail::text(restitution) +
                                 "; that of a contact with damping is in (0, 1]");
   // zeta half_duration(zeta) rises from 0 without end, as zeta near 0 and as ln(2 zeta) far above.
   const double loss = -std::log(restitution) / 2;

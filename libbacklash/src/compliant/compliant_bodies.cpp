@@ -24,8 +24,8 @@ CompliantBodies::CompliantBodies(frac::FractionalTransferFunction load, frac::Fr
     : contact_(contact),
       friction_(friction),
       hard_(hard_bodies(std::move(load), std::move(drive), clearance, contact)) {
-  detail::require_not_negative("Coulomb friction of body 1", "N", friction.body1);
-  detail::require_not_negative("Coulomb friction of body 2", "N", friction.body2);
+  detail::require_not_negative("friction1", "N", friction.body1);
+  detail::require_not_negative("friction2", "N", friction.body2);
 }
 
 }  // namespace backlash

@@ -34,9 +34,14 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
   phasors_ = std::exchange(size_, size_ + 2 * harmonics_);
   const double length = system.clearance();
   sizes_ = Eigen::VectorXd::Ones(size_);
-  sizes_[gap] = sizes_[x1] = length;
-  sizes_[rate] = sizes_[v1] = length * force_.omega;
-  sizes_.segment(phasors_, 2 * harmonics_).setConstant(length);
+  // Of body 1 also what it moves with the centre of mass: at low frequency much more than the gap.
+  const double swing =
+      std::max(length, force_.amplitude / ((system.mass1() + system.mass2()) * force_.omega * force_.omega));
+  sizes_[gap] = length;
+  sizes_[x1] = swing;
+  sizes_[rate] = length * force_.omega;
+  sizes_[v1] = swing * force_.omega;
+  sizes_.segment(phasors_, 2 * harmonics_).setConstant(swing);
   for (const auto& memory : memory_)
     if (memory) memory->scale(sizes_, length, force_.omega);
   const bool is_anywhere = ignores_place(memory_[0]) && ignores_place(memory_[1]);
@@ -117,7 +122,8 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const st
   double pace = force_.omega;
   if (contact != 0) {
     const double fast = std::max(pace, free_contact(bodies_.contact(), mass[0], mass[1]).frequency);
-    sizes[rate] = sizes[v1] = 2 * half_gap_ * fast;
+    sizes[rate] = 2 * half_gap_ * fast;
+    sizes[v1] = std::max(sizes[v1], sizes[rate]);
     pace = std::min(fast, slow_contact * pace);
   }
   LinearFlight flight(a, pace, sizes, most_skew);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "backlash/compliant/compliant_bodies.hpp"
@@ -27,9 +29,10 @@ using Index = Eigen::Index;
 // Of fractional powers.
 constexpr double realisation = 1e-9;
 // Force periods: before returns are looked for, between two looks, of the longest orbit, left to the transient of a
-// mean, of its window, without a contact until there is none to come, and of the value of a motion without any.
+// mean, of its window, of one that is judged, without a contact until there is none to come, and of the value of a
+// motion without any.
 constexpr std::size_t first_look = 16, look_interval = 8, longest_period = 32, transient = 256, window = 1024,
-                      quiet_periods = 64, quiet_window = 8;
+                      first_judged = 128, quiet_periods = 64, quiet_window = 8;
 // Periods followed from a guess of an orbit before Newton's method.
 constexpr int settling = 2;
 // Over the sizes of the states: near enough for Newton's method.
@@ -77,6 +80,7 @@ class Point {
       if (!run.follow(1)) break;
       peaks_.push_back({repeating(run.state()), run.contacts(), position(run.phasors().front())});
       if (is_quiet()) return ended(quiet());
+      if (is_known()) break;
       if (peaks_.size() < wait_until || peaks_.size() % look_interval != 0) continue;
       const std::optional<int> periods = returns_after();
       if (!periods) continue;
@@ -146,11 +150,19 @@ class Point {
     point.regime = is_symmetric ? Regime::symmetric : Regime::periodic;
     // What flights round and the last step leaves, and what a weak attraction makes of it.
     point.uncertainty =
-        (1e-13 + orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
+        std::max(1e-13, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
         flow_.error() * std::abs(point.value);
     point.energy_defect = std::abs(reading.work - reading.loss) / reading.moved;
     point.lyapunov_exponent = std::log(orbit.largest_multiplier) / orbit.periods;
     return {point, orbit.state, orbit.mode};
+  }
+
+  // A mean of which that is enough.
+  [[nodiscard]] bool is_known() const {
+    const std::size_t length = peaks_.size() > transient ? peaks_.size() - transient : 0;
+    if (options_.mean_tolerance == 0 || length < first_judged || (length & (length - 1)) != 0) return false;
+    const DescribingFunctionPoint point = mean();
+    return point.uncertainty <= options_.mean_tolerance * std::abs(point.value);
   }
 
   [[nodiscard]] DescribingFunctionPoint mean() const {
@@ -198,35 +210,62 @@ namespace backlash {
 
 DescribingFunctionSweep bodies_describing_function(const CompliantBodies& bodies, double force_amplitude,
                                                    const std::vector<double>& omega, const SweepOptions& options) {
+  return std::move(bodies_describing_functions({{bodies, force_amplitude}}, omega, options).front());
+}
+
+std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vector<CompliantScene>& scenes,
+                                                                 const std::vector<double>& omega,
+                                                                 const SweepOptions& options,
+                                                                 frac::Progress* progress) {
   detail::require_valid(options);
-  detail::require_positive("force_amplitude", "N", force_amplitude);
   detail::require_frequency_grid(omega);
-  DescribingFunctionSweep sweep{bodies.system(), force_amplitude, options, {}};
-  sweep.points.resize(omega.size());
+  std::vector<DescribingFunctionSweep> sweeps;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const CompliantScene& scene = scenes[i];
+    const std::string which = scenes.size() == 1 ? "" : " of scene " + std::to_string(i);
+    detail::require_positive("force_amplitude" + which, "N", scene.force_amplitude);
+    sweeps.push_back({scene.bodies.system(), scene.force_amplitude, options, {}});
+    sweeps.back().points.resize(omega.size());
+  }
+  if (progress != nullptr) progress->total += scenes.size() * omega.size();
   const bool is_carried =
       options.protocol != Protocol::contact_at_rest && options.protocol != Protocol::mid_gap_at_rest;
-  std::optional<detail::ImpulseAnswer> response;
-  if (options.protocol == Protocol::two_impact) response.emplace(detail::gap_response(bodies.hard()));
-  LoopStart carried = detail::protocol_start(bodies, options.protocol);
-  const auto follow = [&](std::size_t i) {
-    detail::Point point(bodies, force_amplitude, omega[i], options);
-    std::optional<detail::Reached> reached;
-    if (response) {
-      reached = point.near(carried);
-      const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force_amplitude, omega[i]);
-      if (!reached && hard.exists()) reached = point.near(hard.at_peak());
-    }
-    if (!reached) reached = point.follow(is_carried ? carried : detail::protocol_start(bodies, options.protocol));
-    sweep.points[i] = reached->point;
-    if (is_carried) carried = detail::CompliantFlow::positions(reached->state);
+  const auto count = [&] {
+    if (progress != nullptr) ++progress->done;
   };
-  if (is_carried) {
-    const bool is_down = options.protocol == Protocol::sweep_down;
-    for (std::size_t i = 0; i < omega.size(); ++i) follow(is_down ? omega.size() - 1 - i : i);
-  } else {
-    frac::parallel_for(omega.size(), options.threads, follow);
+  if (!is_carried) {
+    frac::parallel_for(scenes.size() * omega.size(), options.threads, [&](std::size_t number) {
+      const CompliantScene& scene = scenes[number / omega.size()];
+      const std::size_t i = number % omega.size();
+      detail::Point point(scene.bodies, scene.force_amplitude, omega[i], options);
+      sweeps[number / omega.size()].points[i] =
+          point.follow(detail::protocol_start(scene.bodies, options.protocol)).point;
+      count();
+    });
+    return sweeps;
   }
-  return sweep;
+  const bool is_down = options.protocol == Protocol::sweep_down;
+  frac::parallel_for(scenes.size(), options.threads, [&](std::size_t number) {
+    const auto& [bodies, force] = scenes[number];
+    std::optional<detail::ImpulseAnswer> response;
+    if (options.protocol == Protocol::two_impact) response.emplace(detail::gap_response(bodies.hard()));
+    LoopStart carried = detail::protocol_start(bodies, options.protocol);
+    for (std::size_t step = 0; step < omega.size(); ++step) {
+      const std::size_t i = is_down ? omega.size() - 1 - step : step;
+      detail::Point point(bodies, force, omega[i], options);
+      std::optional<detail::Reached> reached;
+      if (response) {
+        reached = point.near(carried);
+        const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
+        if (!reached && hard.exists()) reached = point.near(hard.at_peak());
+      }
+      if (!reached) reached = point.follow(carried);
+      sweeps[number].points[i] = reached->point;
+      carried = detail::CompliantFlow::positions(reached->state);
+      count();
+    }
+  });
+  return sweeps;
 }
 
 }  // namespace backlash

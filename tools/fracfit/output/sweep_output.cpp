@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/sweep_output.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -97,6 +98,15 @@ io::Metadata scene_of(const backlash::DescribingFunctionSweep& sweep, backlash::
   return scene;
 }
 
+// Entries of a contact in place of the restitution.
+io::Metadata with_contact(io::Metadata scene, const io::Metadata& contact) {
+  if (contact.empty()) return scene;
+  const auto restitution =
+      std::find_if(scene.begin(), scene.end(), [](const auto& entry) { return entry.first == "restitution"; });
+  scene.insert(scene.erase(restitution), contact.begin(), contact.end());
+  return scene;
+}
+
 io::Metadata scene_of(const StaticCurve& curve, backlash::Quantity quantity) {
   io::Metadata scene = entries({{"mass1_kg", curve.mass1},
                                 {"mass2_kg", curve.mass2},
@@ -176,6 +186,14 @@ SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::
           shard};
 }
 
+SweepTable compliant_table(const backlash::DescribingFunctionSweep& sweep, io::Metadata contact,
+                           const PointForm& form) {
+  const std::vector<backlash::SweepScene> scene{{sweep.system, sweep.force_amplitude}};
+  SweepTable table = sweep_table(scene, scene, sweep.options, form, {});
+  table.head = with_contact(std::move(table.head), contact);
+  return table;
+}
+
 Document document_of(const SweepTable& table, std::size_t first, std::size_t width, const std::vector<Point>& points) {
   return {table.head,
           {table.columns, points.size(),
@@ -192,9 +210,9 @@ Document document_of(const StaticCurve& curve, backlash::Quantity quantity) {
 }
 
 std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
-                       const std::string& command) {
+                       const std::string& command, const io::Metadata& contact) {
   Json json = origin(command);
-  append_sweep(json, scene_of(sweep, form.quantity), points_with_types(sweep, form));
+  append_sweep(json, with_contact(scene_of(sweep, form.quantity), contact), points_with_types(sweep, form));
   return json.dump() + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include "backlash/compliant_contact.hpp"
 #include "backlash/describing_function.hpp"
 #include "backlash/loops/linear_bodies.hpp"
+#include "frac/parallel_for.hpp"
 
 namespace backlash {
 
@@ -49,8 +50,9 @@ class CompliantBodies {
 /// rounding without fractional powers, else to 1e-9 of these.
 /// Protocol::two_impact tries the orbit of one period nearest to the state carried, first that of hard contacts.
 /// Regime::symmetric is an orbit of one period whose halves mirror each other, whatever its contacts;
-/// impacts_per_period counts contacts; energy_defect is the work of the force less what contacts and friction take, over
-/// the energy that the force gives and takes back.  A phasor is that of the velocity over j omega, so that a body may drift.
+/// impacts_per_period counts contacts; energy_defect is the work of the force less what contacts and friction take,
+/// over the energy that the force gives and takes back.  A phasor is that of the velocity over j omega, so that a body
+/// may drift. `options.tolerance` is not used: closed orbits are solved to rounding.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, positive, strictly rising, not empty
 /// @return `system` has the restitution of a free contact
@@ -58,5 +60,18 @@ class CompliantBodies {
 [[nodiscard]] DescribingFunctionSweep bodies_describing_function(const CompliantBodies& bodies, double force_amplitude,
                                                                  const std::vector<double>& omega,
                                                                  const SweepOptions& options);
+
+/// One curve of a family.
+struct CompliantScene {
+  CompliantBodies bodies;
+  double force_amplitude;  // N
+};
+
+/// A family of curves over one grid, computed in parallel; the result does not depend on options.threads.
+/// @param progress  counts points, if given
+/// @throws std::invalid_argument  as above; of several scenes the text names the one.
+[[nodiscard]] std::vector<DescribingFunctionSweep> bodies_describing_functions(
+    const std::vector<CompliantScene>& scenes, const std::vector<double>& omega, const SweepOptions& options,
+    frac::Progress* progress = nullptr);
 
 }  // namespace backlash
