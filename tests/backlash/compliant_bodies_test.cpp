@@ -297,6 +297,40 @@ TEST(CompliantBodies, MapsKeepAreasButForTheTimeInDampedContact) {
   }
 }
 
+// Three equations in closed form against the flow from event to event, whose contacts are steps of a polynomial.
+TEST(CompliantBodies, SymmetricOrbitsOfTwoContactsAreThoseOfTheFlow) {
+  support::Random random(11);
+  int compared = 0, refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Machine m = random_machine(random, 0);
+    const CompliantBodies bodies = m.bodies();
+    const CompliantFlow flow(bodies, {m.force, m.omega}, backlash::Output::x1, 1e-9, 1);
+    const Eigen::VectorXd start = flow.start({0, 0, 0, m.clearance * m.omega});
+    CompliantRun run(flow, start, flow.mode_of(start));
+    ASSERT_TRUE(run.follow(200));
+    const auto orbit = backlash::detail::closed_orbit(flow, run.state(), run.mode(), 1);
+    if (!orbit || orbit->contacts != 2 || !(orbit->largest_multiplier < 0.999)) continue;
+    const auto reading = backlash::detail::read_orbit(*orbit, bodies, {m.force, m.omega}, backlash::Output::x1, 1e-9);
+    if (reading.second_ratio > 1e-9) continue;
+    const DescribingFunctionPoint point = point_of(m, Protocol::two_impact);
+    const auto free = backlash::free_contact(bodies.contact(), m.mass1, m.mass2);
+    // Gap and wall differ by little, and are rounded before the stiffness multiplies them.
+    const double rounding = 1e-13 + 5e-16 * std::pow(free.frequency / m.omega, 2);
+    // The flow gives its harmonics by integrals, the closed form by parts.
+    if (std::abs(point.value - reading.value) > 0.01 * std::abs(reading.value)) {
+      ++refused;  // another orbit attracts too, or the sufficient conditions of the closed form do not hold
+      continue;
+    }
+    ++compared;
+    EXPECT_LT(std::abs(point.value - reading.value), 10 * rounding * std::abs(reading.value)) << i;
+    EXPECT_NEAR(point.third_harmonic_ratio, reading.third_ratio, 1e3 * rounding) << i;
+    EXPECT_NEAR(std::exp(point.lyapunov_exponent), orbit->largest_multiplier, 1e-8) << i;
+    EXPECT_LT(point.energy_defect, 1e-12) << i;
+  }
+  EXPECT_GT(compared, 10);
+  EXPECT_LT(refused, 3);
+}
+
 // Of every kind, through contacts, separations, sticks, reversals and slides: columns against central differences.
 TEST(CompliantBodies, DerivativesAreThoseOfDifferences) {
   support::Random random(9);
@@ -365,11 +399,7 @@ TEST(CompliantBodies, RefuseWhatTheyCannotBe) {
         CompliantBodies(free, free, 1, contact, {-1, 0});
       },
       {"friction1 is -1", "not negative"});
-  expect_invalid_argument(
-      [&] {
-        CompliantBodies(free, free, 1, contact, {0, NAN});
-      },
-      {"friction2 is nan"});
+  expect_invalid_argument([&] { CompliantBodies(free, free, 1, contact, {0, NAN}); }, {"friction2 is nan"});
   const CompliantBodies bodies(free, free, 1, contact);
   expect_invalid_argument([&] { (void)backlash::bodies_describing_function(bodies, 0, {1}, {}); }, {"force_amplitude"});
   expect_invalid_argument([&] { (void)backlash::bodies_describing_function(bodies, 1, {2, 1}, {}); }, {"omega[1]"});

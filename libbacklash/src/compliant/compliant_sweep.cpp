@@ -18,7 +18,9 @@
 #include "loops/motions/forced_motion.hpp"
 #include "loops/motions/symmetric_forced_orbit.hpp"
 #include "steady_state/describing_function_point.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "steady_state/window_mean.hpp"
+#include "symmetric_compliant_orbit.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -148,9 +150,12 @@ class Point {
     const bool is_symmetric = orbit.periods == 1 && reading.second_ratio < no_even_harmonic;
     point.even_harmonic_ratio = is_symmetric ? 0 : reading.second_ratio;
     point.regime = is_symmetric ? Regime::symmetric : Regime::periodic;
-    // What flights round and the last step leaves, and what a weak attraction makes of it.
+    // What flights and the difference of gap and wall, times the stiffness, round, what the last step leaves, and what
+    // a weak attraction makes of it.
+    const FreeContact free = free_contact(bodies_.contact(), bodies_.system().mass1(), bodies_.system().mass2());
+    const double rounding = 1e-13 + 5e-16 * std::pow(free.frequency / force_.omega, 2);
     point.uncertainty =
-        std::max(1e-13, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
+        std::max(rounding, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
         flow_.error() * std::abs(point.value);
     point.energy_defect = std::abs(reading.work - reading.loss) / reading.moved;
     point.lyapunov_exponent = std::log(orbit.largest_multiplier) / orbit.periods;
@@ -191,6 +196,103 @@ class Point {
   const SweepOptions& options_;
   CompliantFlow flow_;
   std::vector<Peak> peaks_;
+};
+
+// The symmetric orbits of two contacts of free bodies, one frequency after the other.
+class SymmetricOrbitsOfContacts {
+ public:
+  SymmetricOrbitsOfContacts(const CompliantBodies& bodies, double force, Output output)
+      : bodies_(bodies),
+        force_(force),
+        output_(output),
+        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())),
+        hard_(bodies.system().restitution()) {}
+
+  /// Where there is one that attracts.
+  [[nodiscard]] std::optional<DescribingFunctionPoint> at(double omega) {
+    const double gamma = dimensionless_force(bodies_.system(), force_, omega);
+    const CompliantGroups groups{gamma, contact_.frequency / omega, contact_.damping_ratio};
+    std::optional<SymmetricCompliantOrbit> orbit;
+    if (last_) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
+    if (!orbit) orbit = from_hard(groups);
+    if (!orbit || !(orbit->largest_multiplier < 1)) return std::nullopt;
+    last_ = orbit;
+    last_omega_ = omega;
+    return point(*orbit, gamma, omega);
+  }
+
+  /// State at a peak of the force on the last orbit.
+  [[nodiscard]] LoopStart at_peak() const {
+    const CompliantFlow flow(bodies_, {force_, last_omega_}, output_, realisation, 1);
+    const double width = bodies_.system().clearance(), total = bodies_.system().mass1() + bodies_.system().mass2();
+    const double rate = last_->speed * width * last_omega_;
+    // The centre of mass at rest at the next peak.
+    const double centre = force_ / (total * last_omega_) * std::sin(last_->angle);
+    const double v1 = centre - bodies_.system().mass2() / total * rate;
+    Eigen::VectorXd state = flow.start({0, v1, 0.5 * width, v1 + rate});
+    state[CompliantFlow::cosine] = std::cos(last_->angle);
+    state[CompliantFlow::sine] = std::sin(last_->angle);
+    CompliantRun run(flow, state, flow.mode_of(state));
+    const double turn = 2 * std::numbers::pi;
+    const double until = (turn - std::fmod(std::fmod(last_->angle, turn) + turn, turn)) / last_omega_;
+    while (run.time() < until && !run.has_escaped()) run.advance(until);
+    return CompliantFlow::positions(run.state());
+  }
+
+ private:
+  // From contacts so stiff that they are nearly hard, softer by halves.
+  [[nodiscard]] std::optional<SymmetricCompliantOrbit> from_hard(const CompliantGroups& groups) const {
+    constexpr double stiff = 512;
+    if (!(groups.gamma >= hard_.saddle_node())) return std::nullopt;
+    const SymmetricImpact impact = hard_.at(groups.gamma);
+    int halvings = 0;
+    while (std::ldexp(groups.nu, halvings) < stiff) ++halvings;
+    CompliantGroups of = groups;
+    of.nu = std::ldexp(groups.nu, halvings);
+    // The hard orbit's phase is that of the other wall.
+    double angle = std::atan2(impact.sin_phase, impact.cos_phase) + std::numbers::pi;
+    std::optional<SymmetricCompliantOrbit> orbit =
+        symmetric_compliant_orbit(of, angle, impact.speed, contact_.duration * contact_.frequency / of.nu);
+    for (; orbit && halvings > 0; --halvings) {
+      of.nu /= 2;
+      // In first order of 1/nu.
+      const double before_angle = angle, shift = orbit->angle - before_angle;
+      angle = orbit->angle;
+      orbit = symmetric_compliant_orbit(of, orbit->angle + shift, orbit->speed, 2 * orbit->duration);
+    }
+    return orbit;
+  }
+
+  [[nodiscard]] DescribingFunctionPoint point(const SymmetricCompliantOrbit& orbit, double gamma, double omega) const {
+    const double mass1 = bodies_.system().mass1(), mass2 = bodies_.system().mass2();
+    // With the gap's phasor U = contact - gamma: x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma over the inertia.
+    const Complex gap = orbit.contact[0] - gamma;
+    const double inertia = (mass1 + mass2) * omega * omega, share = mass1 / mass2;
+    const Complex first = -orbit.contact[0] / gamma, second = -1.0 + share * gap / gamma;
+    const bool is_first = output_ == Output::x1;
+    DescribingFunctionPoint point = empty_point(omega);
+    point.value = (is_first ? first : second) / inertia;
+    point.regime = Regime::symmetric;
+    point.period = 1;
+    point.impacts_per_period = 2;
+    point.third_harmonic_ratio =
+        (is_first ? 1 : share) * std::abs(orbit.contact[1]) / (9 * gamma * std::abs(is_first ? first : second));
+    point.even_harmonic_ratio = 0;
+    point.uncertainty =
+        std::max(1e-13, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier);
+    const double work = -std::numbers::pi * gamma * gap.imag(), moved = 2 * gamma * gamma / share * std::abs(second);
+    point.energy_defect = std::abs(work - orbit.loss) / moved;
+    point.lyapunov_exponent = std::log(orbit.largest_multiplier);
+    return point;
+  }
+
+  const CompliantBodies& bodies_;
+  double force_;
+  Output output_;
+  FreeContact contact_;
+  SymmetricFamily hard_;
+  std::optional<SymmetricCompliantOrbit> last_;
+  double last_omega_ = 0;
 };
 
 // At a peak of the force; free bodies with their centre of mass at rest, as the force leaves it there.
@@ -247,22 +349,36 @@ std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vect
   const bool is_down = options.protocol == Protocol::sweep_down;
   frac::parallel_for(scenes.size(), options.threads, [&](std::size_t number) {
     const auto& [bodies, force] = scenes[number];
+    const bool seeks_orbit = options.protocol == Protocol::two_impact;
+    std::optional<detail::SymmetricOrbitsOfContacts> symmetric;
+    if (seeks_orbit && bodies.are_free()) symmetric.emplace(bodies, force, options.output);
     std::optional<detail::ImpulseAnswer> response;
-    if (options.protocol == Protocol::two_impact) response.emplace(detail::gap_response(bodies.hard()));
     LoopStart carried = detail::protocol_start(bodies, options.protocol);
+    bool is_owed = false;  // the state of a symmetric orbit, until it is needed
     for (std::size_t step = 0; step < omega.size(); ++step) {
+      frac::throw_if_cancelled();
       const std::size_t i = is_down ? omega.size() - 1 - step : step;
-      detail::Point point(bodies, force, omega[i], options);
-      std::optional<detail::Reached> reached;
-      if (response) {
-        reached = point.near(carried);
-        const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
-        if (!reached && hard.exists()) reached = point.near(hard.at_peak());
-      }
-      if (!reached) reached = point.follow(carried);
-      sweeps[number].points[i] = reached->point;
-      carried = detail::CompliantFlow::positions(reached->state);
+      DescribingFunctionPoint& point = sweeps[number].points[i];
       count();
+      if (symmetric) {
+        if (const auto found = symmetric->at(omega[i])) {
+          point = *found;
+          is_owed = true;
+          continue;
+        }
+        if (std::exchange(is_owed, false)) carried = symmetric->at_peak();
+      }
+      detail::Point at(bodies, force, omega[i], options);
+      std::optional<detail::Reached> reached;
+      if (seeks_orbit) {
+        if (!response) response.emplace(detail::gap_response(bodies.hard()));
+        reached = at.near(carried);
+        const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
+        if (!reached && hard.exists()) reached = at.near(hard.at_peak());
+      }
+      if (!reached) reached = at.follow(carried);
+      point = reached->point;
+      carried = detail::CompliantFlow::positions(reached->state);
     }
   });
   return sweeps;

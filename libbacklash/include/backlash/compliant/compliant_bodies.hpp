@@ -48,7 +48,8 @@ class CompliantBodies {
 /// that closes after at most 32 force periods is solved by Newton's method on the flow, its derivative being the
 /// product of the flights' and of the jumps at events; the rest is a mean with its 95 % half width.  Exact but for
 /// rounding without fractional powers, else to 1e-9 of these.
-/// Protocol::two_impact tries the orbit of one period nearest to the state carried, first that of hard contacts.
+/// Protocol::two_impact takes of free bodies the symmetric orbit of two contacts where it attracts, in closed form but
+/// for three unknowns; else it tries the orbit of one period nearest to the state carried, then to that of hard contacts.
 /// Regime::symmetric is an orbit of one period whose halves mirror each other, whatever its contacts;
 /// impacts_per_period counts contacts; energy_defect is the work of the force less what contacts and friction take,
 /// over the energy that the force gives and takes back.  A phasor is that of the velocity over j omega, so that a body
