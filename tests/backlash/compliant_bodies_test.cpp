@@ -66,6 +66,12 @@ DescribingFunctionPoint point_of(const Machine& m, Protocol protocol) {
 
 using History = backlash::CompliantHistory;
 
+DescribingFunctionPoint point_of_drive(const Machine& m) {
+  SweepOptions options;
+  options.output = backlash::Output::x2;
+  return backlash::bodies_describing_function(m.bodies(), m.force, {m.omega}, options).points.front();
+}
+
 /// Six periods with samples at eighths of them.
 History history_of(const Machine& m, const backlash::LoopStart& start) {
   History history = backlash::compliant_history(m.bodies(), m.force, m.omega, start, 0, 6, 8);
@@ -311,7 +317,7 @@ TEST(CompliantBodies, SymmetricOrbitsOfTwoContactsAreThoseOfTheFlow) {
     const auto orbit = backlash::detail::closed_orbit(flow, run.state(), run.mode(), 1);
     if (!orbit || orbit->contacts != 2 || !(orbit->largest_multiplier < 0.999)) continue;
     const auto reading = backlash::detail::read_orbit(*orbit, bodies, {m.force, m.omega}, backlash::Output::x1, 1e-9);
-    if (reading.second_ratio > 1e-9) continue;
+    if (!reading.is_symmetric) continue;
     const DescribingFunctionPoint point = point_of(m, Protocol::two_impact);
     const auto free = backlash::free_contact(bodies.contact(), m.mass1, m.mass2);
     // Gap and wall differ by little, and are rounded before the stiffness multiplies them.
@@ -375,6 +381,20 @@ TEST(CompliantBodies, RestWhereDryFrictionHoldsThem) {
   };
   EXPECT_EQ(at().value, 0.0);
   EXPECT_EQ(at().regime, Regime::free);
+  // A load that friction holds is a wall: the drive meets it on both sides, and body 1 does not move.
+  m.coulomb2 = 0;
+  m.coulomb1 = 1e3 * m.force;
+  options.output = backlash::Output::x1;
+  EXPECT_EQ(at().regime, Regime::symmetric);
+  EXPECT_EQ(at().value, 0.0);
+  options.output = backlash::Output::x2;
+  Machine wall = m;
+  wall.coulomb1 = 0;
+  wall.mass1 = 1e12;
+  // A load of 10^12 times the mass moves by that share.
+  const DescribingFunctionPoint held = at(), heavy = point_of_drive(wall);
+  EXPECT_LT(std::abs(held.value - heavy.value), 1e-9 * std::abs(held.value));
+  m.coulomb1 = 0;
   // Without rests the friction is a square wave s(angle) that begins to oppose at the angle where the speed is 0, and
   // half a period later is again: sin(angle) = -pi Fc/(2 F).  Its fundamental is 4/pi e^{-j (angle + pi/2)}.
   const double share = 0.3;

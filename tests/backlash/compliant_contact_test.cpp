@@ -49,6 +49,8 @@ TEST(FreeContact, RestitutionAndDampingRatioAreInverse) {
   // e is exp(-2 zeta pi/2) (1 + O(zeta^2)) for small zeta, and 1/(4 zeta^2) (1 + O(ln zeta/zeta^2)) for large.
   EXPECT_NEAR(backlash::restitution_of_damping_ratio(1e-6), 1 - 1e-6 * std::acos(-1.0), 1e-11);
   EXPECT_NEAR(backlash::restitution_of_damping_ratio(1e6) * 4e12, 1, 1e-10);
+  EXPECT_NEAR(backlash::restitution_of_damping_ratio(1e100) * 4e200, 1, 1e-12);
+  EXPECT_EQ(backlash::restitution_of_damping_ratio(1e300), 0);
   EXPECT_NEAR(backlash::restitution_of_damping_ratio(1), std::exp(-2), 1e-16);
   EXPECT_EQ(backlash::damping_ratio_of_restitution(1), 0);
   for (double restitution = 1e-12; restitution < 1; restitution = std::min(2 * restitution, restitution + 0.01)) {
@@ -73,7 +75,8 @@ TEST(FreeContact, RefusesWhatIsNone) {
   expect_invalid_argument([] { (void)CompliantContact::from_frequency(-1, 0, 1, 1); }, {"contact_frequency is -1"});
   expect_invalid_argument([] { (void)CompliantContact::from_frequency(1, -1, 1, 1); }, {"contact_ratio is -1"});
   expect_invalid_argument([] { (void)CompliantContact::from_frequency(1e200, 1, 1, 1); }, {"contact_stiffness is inf"});
-  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(0); }, {"contact_restitution is 0", "(0, 1]"});
+  expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(0); },
+                          {"contact_restitution is 0", "(0, 1]"});
   expect_invalid_argument([] { (void)backlash::damping_ratio_of_restitution(1.1); }, {"contact_restitution is 1.1"});
 }
 

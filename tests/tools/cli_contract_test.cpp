@@ -504,6 +504,28 @@ TEST(CompliantContacts, StandInJsonAndHistory) {
     EXPECT_NE(std::find(events.begin(), events.end(), event), events.end()) << event;
 }
 
+TEST(CompliantContacts, TakeSeveralForcesAndClearances) {
+  const std::vector<std::string> scenes{"simulate", "--force",           "20,40", "--clearance",
+                                        "0.2,0.3",  "--omega",           "18,20", "--contact-stiffness",
+                                        "80000",    "--contact-damping", "100"};
+  const std::string csv = successful(with(scenes, {"--format", "csv"}));
+  EXPECT_NE(csv.find("\nforce_n,clearance_m,omega_rad_s,re_m_per_n"), std::string::npos) << csv;
+  EXPECT_EQ(entry_of(csv, "contact_ratio"), "0.25");
+  const auto rows = rows_of(csv);
+  ASSERT_EQ(rows.size(), 8u);
+  const auto one = rows_of(successful({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "18,20",
+                                       "--contact-stiffness", "80000", "--contact-damping", "100", "--format", "csv"}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(std::vector<std::string>(rows[6 + i].begin() + 2, rows[6 + i].end()), one[i]);
+    EXPECT_EQ(rows[6 + i][0], "40");
+    EXPECT_EQ(rows[6 + i][1], "0.3");
+  }
+  const Json json = successful_json(with(scenes, {"--format", "json"}));
+  ASSERT_EQ(json["sweeps"].size(), 4u);
+  EXPECT_EQ(json["sweeps"][1]["scene"]["clearance_m"], 0.3);
+  EXPECT_EQ(json["sweeps"][1]["scene"]["contact_damping_n_s_m"], 100);
+}
+
 TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   const auto refusal = [](const std::vector<std::string>& arguments) {
     const auto result = run_fracfit(arguments);
@@ -524,7 +546,8 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
     expect(with_options({"--restitution", "0.6", "--friction1", "1"}), "--friction1 has no meaning with --restitution");
     expect(with_options({"--contact-frequency", "1", "--contact-restitution", "0"}), "--contact-restitution is 0");
     expect(with_options({"--contact-stiffness", "-1", "--contact-damping", "1"}), "--contact-stiffness is -1");
-    expect(with_options({"--contact-stiffness", "1", "--contact-damping", "1", "--friction2", "-1"}), "friction2 is -1");
+    expect(with_options({"--contact-stiffness", "1", "--contact-damping", "1", "--friction2", "-1"}),
+           "friction2 is -1");
   }
   expect(refusal(compliant("simulate",
                            {"--contact-stiffness", "1", "--contact-damping", "1", "--orbit-tolerance", "1e-6"})),

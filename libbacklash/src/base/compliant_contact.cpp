@@ -16,7 +16,8 @@ double half_duration(double zeta) {
     const double root = std::sqrt((1 - zeta) * (1 + zeta));
     return std::atan2(root, zeta) / root;
   }
-  const double root = std::sqrt((zeta - 1) * (zeta + 1));
+  // Far above, where the square leaves the range of numbers, zeta itself to rounding.
+  const double root = zeta < 1e9 ? std::sqrt((zeta - 1) * (zeta + 1)) : zeta;
   // acosh(zeta) = ln(zeta + root), which is zeta - 1 + root above ln 1.
   return root > 0 ? std::log1p(zeta - 1 + root) / root : 1;
 }

@@ -34,12 +34,14 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
   phasors_ = std::exchange(size_, size_ + 2 * harmonics_);
   const double length = system.clearance();
   sizes_ = Eigen::VectorXd::Ones(size_);
-  // Of body 1 also what it moves with the centre of mass: at low frequency much more than the gap.
+  // Of the gap also the overlap under the force; of body 1 what it moves with the centre of mass: at low frequency much
+  // more than the gap.
   const double swing =
       std::max(length, force_.amplitude / ((system.mass1() + system.mass2()) * force_.omega * force_.omega));
-  sizes_[gap] = length;
+  gap_size_ = std::max(length, force_.amplitude / bodies.contact().stiffness());
+  sizes_[gap] = gap_size_;
   sizes_[x1] = swing;
-  sizes_[rate] = length * force_.omega;
+  sizes_[rate] = gap_size_ * force_.omega;
   sizes_[v1] = swing * force_.omega;
   sizes_.segment(phasors_, 2 * harmonics_).setConstant(swing);
   for (const auto& memory : memory_)
@@ -122,7 +124,7 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const st
   double pace = force_.omega;
   if (contact != 0) {
     const double fast = std::max(pace, free_contact(bodies_.contact(), mass[0], mass[1]).frequency);
-    sizes[rate] = 2 * half_gap_ * fast;
+    sizes[rate] = gap_size_ * fast;
     sizes[v1] = std::max(sizes[v1], sizes[rate]);
     pace = std::min(fast, slow_contact * pace);
   }

@@ -92,6 +92,7 @@ class CompliantFlow {
   SineForce force_;
   Output output_;
   double half_gap_;
+  double gap_size_ = 0;
   Eigen::Index size_ = first_memory;
   Eigen::Index phasors_ = -1;
   int harmonics_;

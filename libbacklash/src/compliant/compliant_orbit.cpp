@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
@@ -45,6 +46,17 @@ double integral(double length, const Integrand& integrand) {
   for (std::size_t i = 0; i < rule.node.size(); ++i)
     for (const double sign : {-1.0, 1.0}) sum += rule.weight[i] * integrand(0.5 * length * (1 + sign * rule.node[i]));
   return 0.5 * length * sum;
+}
+
+// Half a period later every state is its negative, but for rounding.
+bool mirrors_itself(const CompliantFlow& flow, const Eigen::VectorXd& state, const CompliantMode& mode) {
+  constexpr double rounding = 1e-8;
+  CompliantRun run(flow, state, mode);
+  const double half = std::numbers::pi / flow.omega();
+  while (run.time() < half && !run.has_escaped()) run.advance(half);
+  double miss = 0;
+  for (const Index i : flow.repeating()) miss = std::max(miss, std::abs(run.state()[i] + state[i]) / flow.sizes()[i]);
+  return miss < rounding;
 }
 
 }  // namespace
@@ -126,6 +138,7 @@ CompliantReading read_orbit(const CompliantOrbit& orbit, const CompliantBodies& 
     }
   });
   run.follow(orbit.periods);
+  reading.is_symmetric = orbit.periods == 1 && mirrors_itself(flow, state, orbit.mode);
   const std::vector<std::complex<double>>& velocity = run.phasors();
   reading.value = velocity[0] / std::complex<double>(0, force.omega) / force.amplitude;
   const double fundamental = std::abs(velocity[0]);

@@ -170,6 +170,12 @@ bool CompliantRun::follow(int periods) {
   return true;
 }
 
+void CompliantRun::begin_transition() {
+  transition_ = Eigen::MatrixXd::Identity(state_.size(), state_.size());
+  if (mode_.slide[0] == 0) transition_(CompliantFlow::v1, CompliantFlow::v1) = 0;
+  if (mode_.slide[1] == 0) transition_.row(CompliantFlow::rate) = -transition_.row(CompliantFlow::v1);
+}
+
 void CompliantRun::begin_anew(int periods) {
   time_ = 0;
   phasors_ = flow_->take_phasors(state_, periods);

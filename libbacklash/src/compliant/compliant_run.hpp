@@ -49,8 +49,9 @@ class CompliantRun {
   [[nodiscard]] const std::vector<std::complex<double>>& phasors() const noexcept { return phasors_; }
   [[nodiscard]] bool has_escaped() const noexcept { return !state_.allFinite(); }
 
-  /// From now on: d state/d state then, over flights and events.
-  void begin_transition() { transition_ = Eigen::MatrixXd::Identity(state_.size(), state_.size()); }
+  /// From now on: d state/d state then, over flights and events, for changes that leave bodies at rest where they
+  /// stick.
+  void begin_transition();
   [[nodiscard]] const Eigen::MatrixXd& transition() const noexcept { return transition_; }
   /// Is called with each piece of a flight.
   using Visit = std::function<void(const CompliantFlow::Regime&, const CompliantMode&, const FlightPath&, double)>;

@@ -145,11 +145,8 @@ class Point {
     point.period = orbit.periods;
     point.impacts_per_period = static_cast<double>(orbit.contacts) / orbit.periods;
     point.third_harmonic_ratio = reading.third_ratio;
-    // What a mirror symmetric motion has of it is rounding.
-    constexpr double no_even_harmonic = 1e-9;
-    const bool is_symmetric = orbit.periods == 1 && reading.second_ratio < no_even_harmonic;
-    point.even_harmonic_ratio = is_symmetric ? 0 : reading.second_ratio;
-    point.regime = is_symmetric ? Regime::symmetric : Regime::periodic;
+    point.even_harmonic_ratio = reading.is_symmetric ? 0 : reading.second_ratio;
+    point.regime = reading.is_symmetric ? Regime::symmetric : Regime::periodic;
     // What flights and the difference of gap and wall, times the stiffness, round, what the last step leaves, and what
     // a weak attraction makes of it.
     const FreeContact free = free_contact(bodies_.contact(), bodies_.system().mass1(), bodies_.system().mass2());

@@ -51,6 +51,7 @@ class Simulate : public SweepCommand {
     add_shard("scenes")
         .not_with(is_static, "which is a closed form of one scene")
         .not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
+    CompliantOptions::exclude(o["--shard"], "whose scenes are computed at once");
     add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
@@ -97,25 +98,40 @@ class Simulate : public SweepCommand {
     options()["--protocol"].say(std::string(backlash::to_string(sweep_.protocol)));
   }
 
+  // Every combination of force and clearance, force slowest.
   int run_compliant() {
-    if (force_.size() * clearance_.size() > 1 || shard().count > 1)
-      throw std::invalid_argument("with contacts that take time simulate takes one force and one clearance");
-    const backlash::CompliantBodies bodies = contact_.bodies(
-        load_.value_or(backlash::free_mass(mass1_)), drive_.value_or(backlash::free_mass(mass2_)), clearance_.front());
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--omega", omega_.size()}});
+    std::vector<backlash::CompliantScene> scenes;
+    for (const double force : force_) {
+      for (const double clearance : clearance_)
+        scenes.push_back({contact_.bodies(load_.value_or(backlash::free_mass(mass1_)),
+                                          drive_.value_or(backlash::free_mass(mass2_)), clearance),
+                          force});
+    }
     default_to_two_impact();
     sweep_.threads = threads();
-    const backlash::DescribingFunctionSweep sweep =
-        backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_);
-    const bool has_loss = has_loss_factor() && bodies.are_free();
-    const io::Metadata contact = contact_entries(bodies);
-    if (format() == "json") {
-      write(sweep_json(sweep, form(PointColumns::with_diagnostics, has_loss), command_line(), contact));
-    } else {
-      const SweepTable table = compliant_table(sweep, contact, form(columns(), has_loss));
-      write(text_of(document_of(table, 0, omega_.size(), sweep.points), format(), command_line()));
-    }
+    frac::Progress progress;
+    const auto sweeps = [&] {
+      const io::ProgressBar bar(name(), progress, progress_style());
+      return backlash::bodies_describing_functions(scenes, omega_, sweep_, &progress);
+    }();
+    const bool has_loss = has_loss_factor() && scenes.front().bodies.are_free();
+    const io::Metadata contact = contact_entries(scenes.front().bodies);
     PointCounts counts;
-    counts.add(sweep.points, quantity());
+    for (const auto& sweep : sweeps) counts.add(sweep.points, quantity());
+    if (format() == "json") {
+      const PointForm all = form(PointColumns::with_diagnostics, has_loss);
+      write(sweeps.size() == 1 ? sweep_json(sweeps.front(), all, command_line(), contact)
+                               : sweeps_json(sweeps, all, command_line(), contact));
+    } else {
+      std::vector<backlash::DescribingFunctionPoint> points;
+      for (const auto& sweep : sweeps) points.insert(points.end(), sweep.points.begin(), sweep.points.end());
+      const SweepTable table = compliant_table(sweeps, contact, form(columns(), has_loss));
+      write(text_of(document_of(table, 0, omega_.size(), points), format(), command_line()));
+    }
+    if (counts.not_finite > 0)
+      say("contacts so fast, or a gap so small against them, that rounding is all that is left have no value here; "
+          "--restitution is their limit");
     return exit_code_of(counts, form(columns(), has_loss));
   }
 

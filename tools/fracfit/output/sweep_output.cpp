@@ -186,11 +186,21 @@ SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::
           shard};
 }
 
-SweepTable compliant_table(const backlash::DescribingFunctionSweep& sweep, io::Metadata contact,
+SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const io::Metadata& contact,
                            const PointForm& form) {
-  const std::vector<backlash::SweepScene> scene{{sweep.system, sweep.force_amplitude}};
-  SweepTable table = sweep_table(scene, scene, sweep.options, form, {});
-  table.head = with_contact(std::move(table.head), contact);
+  std::vector<backlash::SweepScene> scenes;
+  for (const auto& sweep : sweeps) scenes.push_back({sweep.system, sweep.force_amplitude});
+  SweepTable table = sweep_table(scenes, scenes, sweeps.front().options, form, {});
+  if (sweeps.size() == 1) {
+    table.head = with_contact(std::move(table.head), contact);
+    return table;
+  }
+  // Masses stand second and third; the last of what tells curves apart, restitution, is that of the contact.
+  table.head.insert(table.head.begin() + 3, contact.begin(), contact.end());
+  table.columns.erase(table.columns.begin() + 2);
+  table.in_front = [scenes](std::size_t curve) {
+    return std::vector<Cell>{scenes[curve].force_amplitude, scenes[curve].system.clearance()};
+  };
   return table;
 }
 
@@ -217,11 +227,11 @@ std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const Poi
 }
 
 std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const PointForm& form,
-                        const std::string& command) {
+                        const std::string& command, const io::Metadata& contact) {
   Json json = origin(command);
   json["sweeps"] = Json::array();
   for (const auto& sweep : sweeps)
-    append_sweep(json["sweeps"].push_back(Json::object()), scene_of(sweep, form.quantity),
+    append_sweep(json["sweeps"].push_back(Json::object()), with_contact(scene_of(sweep, form.quantity), contact),
                  points_with_types(sweep, form));
   return json.dump() + "\n";
 }

@@ -60,9 +60,10 @@ struct SweepTable {
                                      const backlash::SweepOptions& options, const PointForm& form,
                                      const io::Shard& shard);
 
-/// Table of one curve of bodies whose contacts take time.
-[[nodiscard]] SweepTable compliant_table(const backlash::DescribingFunctionSweep& sweep, io::Metadata contact,
-                                         const PointForm& form);
+/// Table of one curve of bodies whose contacts take time, or of several told apart by force and clearance.
+/// @param contact  of all of them, see contact_entries()
+[[nodiscard]] SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
+                                         const io::Metadata& contact, const PointForm& form);
 
 // The rows refer to what they are made from, which has to outlive them.
 
@@ -79,7 +80,8 @@ struct SweepTable {
 [[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
                                      const std::string& command, const io::Metadata& contact = {});
 [[nodiscard]] std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
-                                      const PointForm& form, const std::string& command);
+                                      const PointForm& form, const std::string& command,
+                                      const io::Metadata& contact = {});
 [[nodiscard]] std::string static_curve_json(const StaticCurve& curve, backlash::Quantity quantity,
                                             const std::string& command);
 
