@@ -26,6 +26,35 @@ def test_bits_of_simulate(protocol):
     assert found["period"] == curve.period.tolist()
 
 
+CONTACT = {"contact_stiffness": 2e4, "contact_damping": 50.0, "friction1": 2.0}
+
+
+def test_bits_of_simulate_with_contacts_that_take_time():
+    found = command_line.columns_of(
+        "simulate", "--force", 40, "--clearance", 0.3, "--contact-stiffness", 2e4, "--contact-damping", 50,
+        "--friction1", 2, "--omega", "12,20,30", "--protocol", "contact-at-rest",
+    )
+    curve = fracfit.describing_function([12.0, 20.0, 30.0], force=40, clearance=0.3, protocol="contact-at-rest", **CONTACT)
+    assert found["re_m_per_n"] == curve.response.real.tolist()
+    assert found["im_m_per_n"] == curve.response.imag.tolist()
+    assert found["regime"] == curve.regime.tolist()
+
+
+def test_contacts_have_a_restitution_or_take_time():
+    with pytest.raises(ValueError, match="either restitution or contact_stiffness"):
+        fracfit.describing_function([20.0], **SCENE, **CONTACT)
+    with pytest.raises(ValueError, match="either restitution or contact_stiffness"):
+        fracfit.describing_function([20.0])
+    with pytest.raises(ValueError, match="contact_stiffness needs contact_damping"):
+        fracfit.describing_function([20.0], contact_stiffness=1.0)
+    with pytest.raises(ValueError, match="friction1 has no meaning with restitution"):
+        fracfit.describing_function([20.0], friction1=1.0, **SCENE)
+    contact = fracfit.contact_of_frequency(300.0, restitution=0.4, mass1=2.0)
+    free = fracfit.free_contact(stiffness=contact["contact_stiffness"], damping=contact["contact_damping"], mass1=2.0)
+    assert free["frequency"] == pytest.approx(300, rel=1e-15)
+    assert free["restitution"] == pytest.approx(0.4, rel=1e-14)
+
+
 def test_bits_of_the_static_model():
     found = command_line.columns_of("simulate", "--motion", "static", "--force", 40, "--clearance", 0.3, "--omega", "5,9,20")
     curve = fracfit.static_describing_function([5.0, 9.0, 20.0], force=40, clearance=0.3)

@@ -489,4 +489,104 @@ TEST(Contract, EveryExportIsASubcommandOfItsOwn) {
             std::string::npos);
 }
 
+std::vector<std::string> compliant(const std::string& command, const std::vector<std::string>& more = {}) {
+  return with({command, "--force", "40", "--clearance", "0.3", "--omega", "20"}, more);
+}
+
+TEST(CompliantContacts, AreGivenByStiffnessOrFrequencyAndToldInTheHeader) {
+  // m = 1/2: k = m wc^2, c = 2 zeta m wc.
+  const std::string by_stiffness = successful(
+      compliant("simulate", {"--contact-stiffness", "80000", "--contact-damping", "100", "--format", "csv"}));
+  EXPECT_EQ(entry_of(by_stiffness, "contact_frequency_rad_s"), "400");
+  EXPECT_EQ(entry_of(by_stiffness, "contact_ratio"), "0.25");
+  EXPECT_EQ(entry_of(by_stiffness, "restitution"), "");
+  const std::string by_frequency =
+      successful(compliant("simulate", {"--contact-frequency", "400", "--contact-ratio", "0.25", "--format", "csv"}));
+  EXPECT_EQ(entry_of(by_frequency, "contact_stiffness_n_m"), "80000");
+  EXPECT_EQ(entry_of(by_frequency, "contact_damping_n_s_m"), "100");
+  EXPECT_EQ(rows_of(by_frequency), rows_of(by_stiffness));
+  // e = exp(-2 zeta acos(zeta)/sqrt(1 - zeta^2)), and 2 acos(zeta)/(wc sqrt(1 - zeta^2)) long.
+  const double root = std::sqrt(1 - 0.25 * 0.25);
+  EXPECT_NEAR(std::stod(entry_of(by_frequency, "contact_restitution")), std::exp(-0.5 * std::acos(0.25) / root), 1e-14);
+  EXPECT_NEAR(std::stod(entry_of(by_frequency, "contact_time_s")), 2 * std::acos(0.25) / root / 400, 1e-16);
+  const std::string by_restitution =
+      successful(compliant("simulate", {"--contact-frequency", "400", "--contact-restitution",
+                                        entry_of(by_frequency, "contact_restitution"), "--format", "csv"}));
+  EXPECT_NEAR(std::stod(entry_of(by_restitution, "contact_ratio")), 0.25, 1e-14);
+}
+
+TEST(CompliantContacts, StandInJsonAndHistory) {
+  const std::vector<std::string> contact{"--contact-stiffness", "80000", "--contact-damping", "100",
+                                         "--friction1",         "2"};
+  const Json json = successful_json(with(compliant("simulate", contact), {"--format", "json"}));
+  const Json& told = json["scene"];
+  EXPECT_FALSE(told.contains("restitution"));
+  EXPECT_EQ(told["contact_stiffness_n_m"], 80000);
+  EXPECT_EQ(told["friction1_n"], 2);
+  EXPECT_EQ(told["protocol"], "two-impact");
+  const std::string history = successful(with(compliant("history", contact), {"--format", "csv"}));
+  EXPECT_EQ(entry_of(history, "friction1_n"), "2");
+  std::vector<std::string> events;
+  for (const auto& row : rows_of(history)) {
+    ASSERT_EQ(row.size(), 8u);
+    events.push_back(row[5]);
+    EXPECT_EQ(row[6] != "none", std::stod(row[7]) > 0 || row[5] == "contact") << row[0];
+  }
+  for (const char* event : {"sample", "contact", "separation", "parting"})
+    EXPECT_NE(std::find(events.begin(), events.end(), event), events.end()) << event;
+}
+
+TEST(CompliantContacts, TakeSeveralForcesAndClearances) {
+  const std::vector<std::string> scenes{"simulate", "--force",           "20,40", "--clearance",
+                                        "0.2,0.3",  "--omega",           "18,20", "--contact-stiffness",
+                                        "80000",    "--contact-damping", "100"};
+  const std::string csv = successful(with(scenes, {"--format", "csv"}));
+  EXPECT_NE(csv.find("\nforce_n,clearance_m,omega_rad_s,re_m_per_n"), std::string::npos) << csv;
+  EXPECT_EQ(entry_of(csv, "contact_ratio"), "0.25");
+  const auto rows = rows_of(csv);
+  ASSERT_EQ(rows.size(), 8u);
+  const auto one = rows_of(successful({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "18,20",
+                                       "--contact-stiffness", "80000", "--contact-damping", "100", "--format", "csv"}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(std::vector<std::string>(rows[6 + i].begin() + 2, rows[6 + i].end()), one[i]);
+    EXPECT_EQ(rows[6 + i][0], "40");
+    EXPECT_EQ(rows[6 + i][1], "0.3");
+  }
+  const Json json = successful_json(with(scenes, {"--format", "json"}));
+  ASSERT_EQ(json["sweeps"].size(), 4u);
+  EXPECT_EQ(json["sweeps"][1]["scene"]["clearance_m"], 0.3);
+  EXPECT_EQ(json["sweeps"][1]["scene"]["contact_damping_n_s_m"], 100);
+}
+
+TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
+  const auto refusal = [](const std::vector<std::string>& arguments) {
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 2);
+    return result.error;
+  };
+  const auto expect = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  for (const char* command : {"simulate", "history"}) {
+    const auto with_options = [&](const std::vector<std::string>& more) { return refusal(compliant(command, more)); };
+    expect(with_options({}), "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
+    expect(with_options({"--restitution", "0.6", "--contact-stiffness", "1", "--contact-damping", "1"}),
+           "give either --restitution, --contact-stiffness or --contact-frequency, not both");
+    expect(with_options({"--contact-stiffness", "1"}), "--contact-stiffness needs --contact-damping");
+    expect(with_options({"--contact-frequency", "1"}),
+           "--contact-frequency needs --contact-ratio or --contact-restitution");
+    expect(with_options({"--restitution", "0.6", "--friction1", "1"}), "--friction1 has no meaning with --restitution");
+    expect(with_options({"--contact-frequency", "1", "--contact-restitution", "0"}), "--contact-restitution is 0");
+    expect(with_options({"--contact-stiffness", "-1", "--contact-damping", "1"}), "--contact-stiffness is -1");
+    expect(with_options({"--contact-stiffness", "1", "--contact-damping", "1", "--friction2", "-1"}),
+           "friction2 is -1");
+  }
+  expect(refusal(compliant("simulate",
+                           {"--contact-stiffness", "1", "--contact-damping", "1", "--orbit-tolerance", "1e-6"})),
+         "--orbit-tolerance has no meaning with --contact-stiffness");
+  expect(refusal(compliant("simulate", {"--motion", "static", "--friction1", "1"})), "--friction1 has no meaning");
+  for (const char* command : {"map", "basins", "orbits"})
+    expect(refusal({command, "--contact-stiffness", "1"}), std::string(command) + " does not take --contact-stiffness");
+}
+
 }  // namespace

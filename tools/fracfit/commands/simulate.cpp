@@ -24,7 +24,8 @@ class Simulate : public SweepCommand {
     Options& o = options();
     o.parsed("--force", force_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
     o.parsed("--clearance", clearance_, scene_values_of, ">= 0; several too").required();
-    o.parsed("--restitution", restitution_, scene_values_of, "several too").needed_with({"--motion", {"dynamic"}});
+    o.parsed("--restitution", restitution_, scene_values_of, "several too");
+    contact_.add(o);
     o.number("--mass1", mass1_).default_is("1");
     o.number("--mass2", mass2_).default_is("1");
     add_receptances(o, load_, drive_);
@@ -40,6 +41,9 @@ class Simulate : public SweepCommand {
       o[receptance].not_with(is_static, "which knows masses alone");
       o["--orbit-tolerance"].not_with({receptance}, "whose closed orbits are solved to rounding");
     }
+    for (const char* contact : {"--contact-stiffness", "--contact-frequency", "--friction1", "--friction2"})
+      o[contact].not_with(is_static, "which knows no contact but a rigid one");
+    CompliantOptions::exclude(o["--orbit-tolerance"], "whose closed orbits are solved to rounding");
     o.flag("--diagnostics", diagnostics_,
            "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether it may be a "
            "transient, sensitivity to the force")
@@ -47,6 +51,7 @@ class Simulate : public SweepCommand {
     add_shard("scenes")
         .not_with(is_static, "which is a closed form of one scene")
         .not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
+    CompliantOptions::exclude(o["--shard"], "whose scenes are computed at once");
     add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
@@ -55,7 +60,7 @@ class Simulate : public SweepCommand {
         "with it after an interruption.\n"
         "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
         "clearance_m, restitution in front.\n"
-        "With receptances --protocol is two-impact unless given.\n"
+        "With receptances or compliant contacts --protocol is two-impact unless given.\n"
         "Examples:\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --body x2 --out "
@@ -66,13 +71,16 @@ class Simulate : public SweepCommand {
         "  fracfit simulate --force 10:50:5 --clearance 0.1:0.3:2 --restitution 0.6 --omega 5:35:200log --shard 1/2 "
         "--out part1.csv\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 15:40:50 --load-receptance "
-        "'1/(s^2 + 0.2 s^0.5)'");
+        "'1/(s^2 + 0.2 s^0.5)'\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --contact-frequency 600 --contact-restitution 0.6 --friction1 2 "
+        "--omega 15:40:50");
   }
 
  private:
   int run() override {
     if (std::isnan(mass1_)) mass1_ = 1;
     if (std::isnan(mass2_)) mass2_ = 1;
+    if (motion_ == "dynamic" && contact_.are_given(options())) return run_compliant();
     if (!load_ && !drive_) return motion_ == "static" ? run_static() : run_dynamic();
     return run_bodies();
   }
@@ -84,6 +92,49 @@ class Simulate : public SweepCommand {
   [[nodiscard]] PointForm json_form() const { return form(PointColumns::with_diagnostics, has_loss_factor()); }
   [[nodiscard]] bool has_loss_factor() const { return sweep_.output == backlash::Output::x1 && !load_ && !drive_; }
 
+  void default_to_two_impact() {
+    if (options()["--protocol"].is_given()) return;
+    sweep_.protocol = backlash::Protocol::two_impact;
+    options()["--protocol"].say(std::string(backlash::to_string(sweep_.protocol)));
+  }
+
+  // Every combination of force and clearance, force slowest.
+  int run_compliant() {
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--omega", omega_.size()}});
+    std::vector<backlash::CompliantScene> scenes;
+    for (const double force : force_) {
+      for (const double clearance : clearance_)
+        scenes.push_back({contact_.bodies(load_.value_or(backlash::free_mass(mass1_)),
+                                          drive_.value_or(backlash::free_mass(mass2_)), clearance),
+                          force});
+    }
+    default_to_two_impact();
+    sweep_.threads = threads();
+    frac::Progress progress;
+    const auto sweeps = [&] {
+      const io::ProgressBar bar(name(), progress, progress_style());
+      return backlash::bodies_describing_functions(scenes, omega_, sweep_, &progress);
+    }();
+    const bool has_loss = has_loss_factor() && scenes.front().bodies.are_free();
+    const io::Metadata contact = contact_entries(scenes.front().bodies);
+    PointCounts counts;
+    for (const auto& sweep : sweeps) counts.add(sweep.points, quantity());
+    if (format() == "json") {
+      const PointForm all = form(PointColumns::with_diagnostics, has_loss);
+      write(sweeps.size() == 1 ? sweep_json(sweeps.front(), all, command_line(), contact)
+                               : sweeps_json(sweeps, all, command_line(), contact));
+    } else {
+      std::vector<backlash::DescribingFunctionPoint> points;
+      for (const auto& sweep : sweeps) points.insert(points.end(), sweep.points.begin(), sweep.points.end());
+      const SweepTable table = compliant_table(sweeps, contact, form(columns(), has_loss));
+      write(text_of(document_of(table, 0, omega_.size(), points), format(), command_line()));
+    }
+    if (counts.not_finite > 0)
+      say("contacts so fast, or a gap so small against them, that rounding is all that is left have no value here; "
+          "--restitution is their limit");
+    return exit_code_of(counts, form(columns(), has_loss));
+  }
+
   int run_bodies() {
     if (force_.size() * clearance_.size() * restitution_.size() > 1 || shard().count > 1) {
       throw std::invalid_argument("with receptances simulate takes one force, one clearance and one restitution");
@@ -91,10 +142,7 @@ class Simulate : public SweepCommand {
     const backlash::LinearBodies bodies(load_.value_or(backlash::free_mass(mass1_)),
                                         drive_.value_or(backlash::free_mass(mass2_)), clearance_.front(),
                                         restitution_.front());
-    if (!options()["--protocol"].is_given()) {
-      sweep_.protocol = backlash::Protocol::two_impact;
-      options()["--protocol"].say(std::string(backlash::to_string(sweep_.protocol)));
-    }
+    default_to_two_impact();
     const backlash::DescribingFunctionSweep sweep =
         backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_);
     if (format() == "json") {
@@ -164,6 +212,7 @@ class Simulate : public SweepCommand {
 
   std::vector<double> force_, clearance_, restitution_, omega_;
   double mass1_ = NAN, mass2_ = NAN;
+  CompliantOptions contact_;
   std::optional<frac::FractionalTransferFunction> load_, drive_;
   std::string motion_ = "dynamic";
   backlash::SweepOptions sweep_;

@@ -2,7 +2,9 @@
 #include "options/scene_options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "io/data_error.hpp"
 #include "io/number.hpp"
@@ -30,6 +32,62 @@ void add_scene(Options& options, Scene& scene) {
   options.number("--force", scene.force);
   options.number("--clearance", scene.clearance);
   add_masses(options, scene.mass1, scene.mass2);
+}
+
+void CompliantOptions::add(Options& options) {
+  options.number("--contact-stiffness", stiffness_);
+  options.number("--contact-damping", damping_).only_with({"--contact-stiffness"}).needed_with({"--contact-stiffness"});
+  options.number("--contact-frequency", frequency_);
+  options.number("--contact-ratio", ratio_).only_with({"--contact-frequency"});
+  options.number("--contact-restitution", restitution_).only_with({"--contact-frequency"});
+  options.at_most_one({"--restitution", "--contact-stiffness", "--contact-frequency"});
+  options.at_most_one({"--contact-ratio", "--contact-restitution"});
+  for (double* friction : {&friction_.body1, &friction_.body2})
+    options.number(friction == &friction_.body1 ? "--friction1" : "--friction2", *friction)
+        .not_with({"--restitution"}, "whose contacts take no time; give --contact-stiffness or --contact-frequency");
+}
+
+void CompliantOptions::exclude(Option& option, const std::string& why) {
+  for (const char* contact : {"--contact-stiffness", "--contact-frequency"}) option.not_with({contact}, why);
+}
+
+bool CompliantOptions::are_given(const Options& options) const {
+  const bool by_frequency = options["--contact-frequency"].is_given();
+  if (by_frequency && !options["--contact-ratio"].is_given() && !options["--contact-restitution"].is_given())
+    throw std::invalid_argument("--contact-frequency needs --contact-ratio or --contact-restitution");
+  if (by_frequency || options["--contact-stiffness"].is_given()) return true;
+  if (options["--restitution"].is_given()) return false;
+  throw std::invalid_argument("--restitution is missing, or --contact-stiffness or --contact-frequency instead");
+}
+
+backlash::CompliantBodies CompliantOptions::bodies(frac::FractionalTransferFunction load,
+                                                   frac::FractionalTransferFunction drive, double clearance) const {
+  const auto contact = [&] {
+    if (!std::isnan(stiffness_)) return backlash::CompliantContact(stiffness_, damping_);
+    const backlash::LinearBodies elastic(load, drive, clearance, 1);
+    const double ratio = std::isnan(restitution_) ? ratio_ : backlash::damping_ratio_of_restitution(restitution_);
+    return backlash::CompliantContact::from_frequency(frequency_, ratio, elastic.system().mass1(),
+                                                      elastic.system().mass2());
+  }();
+  return {std::move(load), std::move(drive), clearance, contact, friction_};
+}
+
+io::Metadata contact_entries(const backlash::CompliantBodies& bodies) {
+  const backlash::FreeContact free =
+      backlash::free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2());
+  io::Metadata entries;
+  for (const auto& [key, value] :
+       {std::pair{"contact_stiffness_n_m", bodies.contact().stiffness()},
+        std::pair{"contact_damping_n_s_m", bodies.contact().damping()},
+        std::pair{"contact_frequency_rad_s", free.frequency}, std::pair{"contact_ratio", free.damping_ratio},
+        std::pair{"contact_restitution", free.restitution}, std::pair{"contact_time_s", free.duration},
+        std::pair{"friction1_n", bodies.friction().body1}, std::pair{"friction2_n", bodies.friction().body2}})
+    entries.emplace_back(key, io::format_number(value));
+  return entries;
+}
+
+bool is_compliant_option(std::string_view name) {
+  return name.starts_with("--contact-") || name == "--friction1" || name == "--friction2";
 }
 
 std::vector<double> scene_values_of(std::string_view name, const std::string& text) {

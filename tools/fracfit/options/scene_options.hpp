@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/two_mass_system.hpp"
+#include "io/text_table.hpp"
 #include "options/options.hpp"
 
 namespace fracfit {
@@ -24,6 +27,30 @@ struct Scene {
 void add_masses(Options& options, double& mass1, double& mass2);
 /// --force, --clearance, --mass1, --mass2.
 void add_scene(Options& options, Scene& scene);
+
+/// Contacts that take time, and dry friction, where a command takes them beside --restitution: --contact-stiffness with
+/// --contact-damping, or --contact-frequency with --contact-ratio or --contact-restitution, and --friction1,
+/// --friction2.
+class CompliantOptions {
+ public:
+  /// After --restitution is declared, which then may be left out.
+  void add(Options& options);
+  /// Refuses the option where contacts take time.
+  static void exclude(Option& option, const std::string& why);
+  /// Which of the two kinds of contact was given. @throws std::invalid_argument  none.
+  [[nodiscard]] bool are_given(const Options& options) const;
+  /// @throws std::invalid_argument  as CompliantBodies.
+  [[nodiscard]] backlash::CompliantBodies bodies(frac::FractionalTransferFunction load,
+                                                 frac::FractionalTransferFunction drive, double clearance) const;
+
+ private:
+  double stiffness_ = NAN, damping_ = NAN, frequency_ = NAN, ratio_ = NAN, restitution_ = NAN;
+  backlash::CoulombFriction friction_;
+};
+/// Entries of a file in place of that of a restitution.
+[[nodiscard]] io::Metadata contact_entries(const backlash::CompliantBodies& bodies);
+/// Whether only commands with CompliantOptions take an option of that name.
+[[nodiscard]] bool is_compliant_option(std::string_view name);
 
 /// Values of which each makes a scene of its own: a list or grid without repetition.
 /// @throws std::invalid_argument  also where a list of two looks like one number with a decimal comma.

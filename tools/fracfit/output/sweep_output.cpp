@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/sweep_output.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -97,6 +98,15 @@ io::Metadata scene_of(const backlash::DescribingFunctionSweep& sweep, backlash::
   return scene;
 }
 
+// Entries of a contact in place of the restitution.
+io::Metadata with_contact(io::Metadata scene, const io::Metadata& contact) {
+  if (contact.empty()) return scene;
+  const auto restitution =
+      std::find_if(scene.begin(), scene.end(), [](const auto& entry) { return entry.first == "restitution"; });
+  scene.insert(scene.erase(restitution), contact.begin(), contact.end());
+  return scene;
+}
+
 io::Metadata scene_of(const StaticCurve& curve, backlash::Quantity quantity) {
   io::Metadata scene = entries({{"mass1_kg", curve.mass1},
                                 {"mass2_kg", curve.mass2},
@@ -176,6 +186,24 @@ SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::
           shard};
 }
 
+SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const io::Metadata& contact,
+                           const PointForm& form) {
+  std::vector<backlash::SweepScene> scenes;
+  for (const auto& sweep : sweeps) scenes.push_back({sweep.system, sweep.force_amplitude});
+  SweepTable table = sweep_table(scenes, scenes, sweeps.front().options, form, {});
+  if (sweeps.size() == 1) {
+    table.head = with_contact(std::move(table.head), contact);
+    return table;
+  }
+  // Masses stand second and third; the last of what tells curves apart, restitution, is that of the contact.
+  table.head.insert(table.head.begin() + 3, contact.begin(), contact.end());
+  table.columns.erase(table.columns.begin() + 2);
+  table.in_front = [scenes](std::size_t curve) {
+    return std::vector<Cell>{scenes[curve].force_amplitude, scenes[curve].system.clearance()};
+  };
+  return table;
+}
+
 Document document_of(const SweepTable& table, std::size_t first, std::size_t width, const std::vector<Point>& points) {
   return {table.head,
           {table.columns, points.size(),
@@ -192,18 +220,18 @@ Document document_of(const StaticCurve& curve, backlash::Quantity quantity) {
 }
 
 std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
-                       const std::string& command) {
+                       const std::string& command, const io::Metadata& contact) {
   Json json = origin(command);
-  append_sweep(json, scene_of(sweep, form.quantity), points_with_types(sweep, form));
+  append_sweep(json, with_contact(scene_of(sweep, form.quantity), contact), points_with_types(sweep, form));
   return json.dump() + "\n";
 }
 
 std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const PointForm& form,
-                        const std::string& command) {
+                        const std::string& command, const io::Metadata& contact) {
   Json json = origin(command);
   json["sweeps"] = Json::array();
   for (const auto& sweep : sweeps)
-    append_sweep(json["sweeps"].push_back(Json::object()), scene_of(sweep, form.quantity),
+    append_sweep(json["sweeps"].push_back(Json::object()), with_contact(scene_of(sweep, form.quantity), contact),
                  points_with_types(sweep, form));
   return json.dump() + "\n";
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/describing_function.hpp"
 #include "backlash/minus_inverse.hpp"
 #include "backlash/regime_map.hpp"
@@ -59,6 +60,11 @@ struct SweepTable {
                                      const backlash::SweepOptions& options, const PointForm& form,
                                      const io::Shard& shard);
 
+/// Table of one curve of bodies whose contacts take time, or of several told apart by force and clearance.
+/// @param contact  of all of them, see contact_entries()
+[[nodiscard]] SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
+                                         const io::Metadata& contact, const PointForm& form);
+
 // The rows refer to what they are made from, which has to outlive them.
 
 /// Rows of curves of the same width.
@@ -70,10 +76,12 @@ struct SweepTable {
 [[nodiscard]] Document document_of(const StaticCurve& curve, backlash::Quantity quantity);
 
 /// JSON has the points of each sweep below its scene, with all columns of the form.
+/// @param contact  entries in place of the restitution, see contact_entries()
 [[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
-                                     const std::string& command);
+                                     const std::string& command, const io::Metadata& contact = {});
 [[nodiscard]] std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
-                                      const PointForm& form, const std::string& command);
+                                      const PointForm& form, const std::string& command,
+                                      const io::Metadata& contact = {});
 [[nodiscard]] std::string static_curve_json(const StaticCurve& curve, backlash::Quantity quantity,
                                             const std::string& command);
 

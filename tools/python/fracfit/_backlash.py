@@ -131,11 +131,15 @@ class RegimeMap(_Points):
 def describing_function(
     omega: Any,
     *,
-    restitution: Any,
+    restitution: Any = None,
     force: Any = 1.0,
     clearance: Any = 1.0,
     mass1: Any = 1.0,
     mass2: Any = 1.0,
+    contact_stiffness: Any = None,
+    contact_damping: Any = None,
+    friction1: Any = None,
+    friction2: Any = None,
     protocol: str = "sweep-up",
     body: str = "x1",
     tolerance: float = 1e-10,
@@ -152,6 +156,10 @@ def describing_function(
     restitution, force, clearance, mass1, mass2 : float or array_like
         Coefficient of restitution, force amplitude (N), clearance (m), masses (kg).  Arrays are broadcast against each
         other and give one curve for each entry.
+    contact_stiffness, contact_damping : float or array_like
+        In place of a restitution: contacts that take time, N/m and N s/m; see `contact_of_frequency`.
+    friction1, friction2 : float or array_like
+        With them, dry friction on the masses, N.
     protocol : {"sweep-up", "sweep-down", "contact-at-rest", "mid-gap-at-rest", "two-impact"}
         Where the motion starts.
     body : {"x1", "x2"}
@@ -174,17 +182,76 @@ def describing_function(
     True
     """
     omega = real_array(omega, "omega")
-    scene = {"mass1": mass1, "mass2": mass2, "clearance": clearance, "restitution": restitution, "force": force}
+    scene = {"mass1": mass1, "mass2": mass2, "clearance": clearance}
+    contact = {"contact_stiffness": contact_stiffness, "contact_damping": contact_damping}
+    friction = {"friction1": friction1, "friction2": friction2}
+    takes_time = contact_stiffness is not None
+    if takes_time == (restitution is not None):
+        raise ValueError("give either restitution or contact_stiffness with contact_damping")
+    if takes_time:
+        if contact_damping is None:
+            raise ValueError("contact_stiffness needs contact_damping")
+        scene |= contact | {name: 0.0 if value is None else value for name, value in friction.items()}
+    else:
+        for name in ("contact_damping", "friction1", "friction2"):
+            if (contact | friction)[name] is not None:
+                raise ValueError(f"{name} has no meaning with restitution, whose contacts take no time")
+        scene["restitution"] = restitution
+    scene["force"] = force
     shape = np.broadcast_shapes(*(np.shape(each) for each in scene.values()))
     lists = [
         np.ascontiguousarray(np.broadcast_to(real_array(value, name, ()).reshape(np.shape(value)), shape)).reshape(-1)
         for name, value in scene.items()
     ]
     options = _options(protocol, body, tolerance, mean_tolerance, threads)
-    found = _core.describing_functions(*lists, omega, options, reporter(progress, "describing function"))
+    report = reporter(progress, "describing function")
+    if takes_time:
+        found = _core.compliant_describing_functions(lists, omega, options, report)
+    else:
+        found = _core.describing_functions(*lists, omega, options, report)
     found = {name: value.reshape(shape + (omega.size,)) for name, value in found.items()}
     found["regime_code"] = found.pop("regime")
     return DescribingFunction({"omega": omega, **found})
+
+
+def free_contact(*, stiffness: float, damping: float, mass1: float = 1.0, mass2: float = 1.0) -> dict[str, float]:
+    """What a contact does to two bodies that meet and on which nothing else acts.
+
+    Returns
+    -------
+    dict
+        frequency (rad/s), damping_ratio, restitution, and duration (s), the time until the contact presses no more.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> round(fracfit.free_contact(stiffness=2e4, damping=50)["restitution"], 6)
+    0.506277
+    """
+    return _core.free_contact(
+        number(stiffness, "stiffness"), number(damping, "damping"), number(mass1, "mass1"), number(mass2, "mass2")
+    )
+
+
+def contact_of_frequency(
+    frequency: float, *, restitution: float, mass1: float = 1.0, mass2: float = 1.0
+) -> dict[str, float]:
+    """Stiffness and damping of the contact with that frequency sqrt(k (1/M1 + 1/M2)), rad/s, and restitution, in (0, 1].
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> contact = fracfit.contact_of_frequency(600, restitution=0.6)
+    >>> contact["contact_stiffness"]
+    180000.0
+    >>> scene = {"force": 40, "clearance": 0.3}
+    >>> fracfit.describing_function([19, 20], protocol="two-impact", **scene, **contact)
+    DescribingFunction(2 points: 2 symmetric)
+    """
+    frequency, mass1, mass2 = number(frequency, "frequency"), number(mass1, "mass1"), number(mass2, "mass2")
+    mass = mass1 * mass2 / (mass1 + mass2)
+    ratio = _core.damping_ratio_of_restitution(number(restitution, "restitution"))
+    return {"contact_stiffness": mass * frequency**2, "contact_damping": 2 * ratio * mass * frequency}
 
 
 @named

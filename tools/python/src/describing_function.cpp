@@ -8,6 +8,7 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "backlash/loss_factor.hpp"
 #include "backlash/minus_inverse.hpp"
@@ -88,6 +89,28 @@ py::dict sweeps(const Reals& mass1, const Reals& mass2, const Reals& clearance, 
   return columns_of(curves, {force.size(), omega.size()});
 }
 
+// Scenes whose contacts take time, given by lists of one length.
+py::dict compliant_sweeps(const std::vector<Reals>& scene, const Reals& omega, const py::dict& given,
+                          const py::object& report) {
+  enum : std::size_t { mass1, mass2, clearance, stiffness, damping, friction1, friction2, force };
+  const backlash::SweepOptions options = options_of(given);
+  std::vector<backlash::CompliantScene> scenes;
+  for (py::ssize_t i = 0; i < scene.at(force).size(); ++i) {
+    const auto at = [&](std::size_t which) { return scene.at(which).data()[i]; };
+    const backlash::CompliantContact contact(at(stiffness), at(damping));
+    scenes.push_back({{backlash::free_mass(at(mass1)), backlash::free_mass(at(mass2)), at(clearance), contact,
+                       {at(friction1), at(friction2)}},
+                      at(force)});
+  }
+  const std::vector<double> grid = vector_of(omega);
+  const auto found = result_of(
+      [&](frac::Progress& progress) { return backlash::bodies_describing_functions(scenes, grid, options, &progress); },
+      report);
+  Points curves;
+  for (const auto& sweep : found) curves.push_back(&sweep.points);
+  return columns_of(curves, {scene.at(force).size(), omega.size()});
+}
+
 py::dict map(double mass1, double mass2, double clearance, double force, const Reals& restitution, const Reals& omega,
              const py::dict& given, const py::object& report) {
   const backlash::SweepOptions options = options_of(given);
@@ -120,6 +143,17 @@ void add_describing_function(py::module_& module) {
   for (const auto regime : regimes) names.append(std::string(backlash::to_string(regime)));
   module.attr("regimes") = py::tuple(names);
   module.def("describing_functions", &sweeps);
+  module.def("compliant_describing_functions", &compliant_sweeps);
+  module.def("free_contact", [](double stiffness, double damping, double mass1, double mass2) {
+    const auto free = backlash::free_contact(backlash::CompliantContact(stiffness, damping), mass1, mass2);
+    py::dict result;
+    result["frequency"] = free.frequency;
+    result["damping_ratio"] = free.damping_ratio;
+    result["restitution"] = free.restitution;
+    result["duration"] = free.duration;
+    return result;
+  });
+  module.def("damping_ratio_of_restitution", &backlash::damping_ratio_of_restitution);
   module.def("regime_map", &map);
   module.def("minus_inverse", &minus_inverse);
   module.def("symmetric_loss_factor", &backlash::symmetric_loss_factor);

@@ -20,8 +20,6 @@ constexpr Index degree = 18;
 constexpr double negligible = 1e-19;
 // Looked at for one rise: a hundred times what flights take whose size is far above their rounding.
 constexpr int most_intervals = 20'000;
-// Sizes of the left eigenvectors of modes that are still told apart.
-constexpr double most_skew = 1e6;
 
 // Number of slow ones among the eigenvalues by rising modulus: the widest gap above the pace decides.
 Index slow_count(const std::vector<double>& moduli, double pace) {
@@ -68,7 +66,7 @@ struct FastSpace {
   bool has_given_up;  // modes that belong to it: their vectors coincide
 };
 
-FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
+FastSpace fast_space(const Modes& right, const Modes& left, double pace, double most_skew) {
   const auto size = static_cast<Index>(right.order.size());
   std::vector<double> moduli;
   for (const Index i : right.order) moduli.push_back(std::abs(right.all.values[i]));
@@ -105,8 +103,8 @@ FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
 
 // A matrix with its modes, parted.
 struct PartedFlight {
-  PartedFlight(const Matrix& matrix_, double pace)
-      : matrix(matrix_), modes(matrix_), fast(fast_space(modes, Modes(matrix_.transpose()), pace)) {}
+  PartedFlight(const Matrix& matrix_, double pace, double most_skew)
+      : matrix(matrix_), modes(matrix_), fast(fast_space(modes, Modes(matrix_.transpose()), pace, most_skew)) {}
 
   Matrix matrix;
   Modes modes;
@@ -115,28 +113,30 @@ struct PartedFlight {
 
 // Realised powers of s may share a pole far above the pace: eigenvalues equal to rounding, whose vectors are as good as
 // one.  With the slow ones they would make flights as short as their own time.  A change of the diagonal by parts in
-// 1e11, less than any realisation errs by, tells them apart.
-PartedFlight parted(const Matrix& matrix, double pace) {
-  PartedFlight result(matrix, pace);
-  if (!result.fast.has_given_up) return result;
+// 1e11, less than any realisation errs by, tells them apart.  Bodies that are no realisation allow less skew, and are
+// left as they are.
+PartedFlight parted(const Matrix& matrix, double pace, double most_skew) {
+  PartedFlight result(matrix, pace, most_skew);
+  if (!result.fast.has_given_up || most_skew < LinearFlight::realised_skew) return result;
   constexpr double change = 1e-11, golden = 0.6180339887498949;
   Matrix moved = matrix;
   for (Index i = 0; i < matrix.rows(); ++i) {
     const double turns = static_cast<double>(i) * golden;
     moved(i, i) *= 1 + change * (turns - std::floor(turns));
   }
-  PartedFlight other(moved, pace);
+  PartedFlight other(moved, pace, most_skew);
   return other.fast.slow < result.fast.slow ? other : result;
 }
 
 }  // namespace
 
-LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : scale_(sizes) {
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes, double most_skew)
+    : scale_(sizes) {
   const Index size = a.rows();
   // Powers of two, so that scaling rounds nothing.
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
   const Eigen::VectorXd& scale = scale_;
-  const PartedFlight flight = parted(scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal(), pace);
+  const PartedFlight flight = parted(scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal(), pace, most_skew);
   const Matrix& scaled = flight.matrix;
   const Modes& modes = flight.modes;
   const Index slow = flight.fast.slow;
@@ -187,6 +187,25 @@ LinearFlight::Form LinearFlight::form(const Eigen::RowVectorXd& row) const {
     if (rates_[i].imag() != 0) result.fast[i] *= 2;
   }
   return result;
+}
+
+Matrix LinearFlight::transition(double t) const {
+  // Slow modes by Taylor's series of a part 2^-halvings of the time, whose rest is below .5^19/19! = 2e-23, and
+  // squares.
+  const double size = slow_.norm() * std::abs(t);
+  const int halvings = size > 0.5 ? static_cast<int>(std::ceil(std::log2(size / 0.5))) : 0;
+  const Matrix part = slow_ * std::ldexp(t, -halvings);
+  const Matrix one = Matrix::Identity(slow_.rows(), slow_.cols());
+  Matrix slow = one;
+  for (Index j = degree; j > 0; --j) slow = one + part * slow / static_cast<double>(j);
+  for (int i = 0; i < halvings; ++i) slow = (slow * slow).eval();
+  Matrix result = slow_basis_ * slow * to_slow_;
+  for (Index i = 0; i < rates_.size(); ++i) {
+    const Complex decay = rates_[i].imag() == 0 ? Complex(std::exp(rates_[i].real() * t)) : std::exp(rates_[i] * t);
+    const double copies = rates_[i].imag() != 0 ? 2 : 1;
+    result += copies * (fast_basis_.col(i) * decay * to_fast_.row(i)).real();
+  }
+  return scale_.asDiagonal() * result;
 }
 
 FlightPath::FlightPath(const LinearFlight& flight, const Eigen::VectorXd& state)

@@ -14,9 +14,13 @@ namespace backlash::detail {
 /// polynomial that ends before it errs.
 class LinearFlight {
  public:
-  /// @param pace   rad/s, of the motion
-  /// @param sizes  of the states, roughly
-  LinearFlight(const Eigen::MatrixXd& a, double pace, const Eigen::VectorXd& sizes);
+  /// @param pace       rad/s, of the motion
+  /// @param sizes      of the states, roughly
+  /// @param most_skew  size of the left eigenvectors, over those of orthogonal modes, up to which fast modes are told
+  ///                   apart; flights lose as many digits, and those of modes that stay together take shorter steps
+  LinearFlight(const Eigen::MatrixXd& a, double pace, const Eigen::VectorXd& sizes, double most_skew = realised_skew);
+  /// Of realised powers of s, which err by more than such flights.
+  static constexpr double realised_skew = 1e6;
 
   /// A linear form of the state, as the modes see it.
   struct Form {
@@ -24,6 +28,8 @@ class LinearFlight {
     Eigen::RowVectorXcd fast;
   };
   [[nodiscard]] Form form(const Eigen::RowVectorXd& row) const;
+  /// e^{A t}.
+  [[nodiscard]] Eigen::MatrixXd transition(double t) const;
 
  private:
   friend class FlightPath;

@@ -8,25 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "formula/power_sum.hpp"
-
 namespace backlash::detail {
 namespace {
 
 using Index = Eigen::Index;
 enum : Index { x1, v1, x2, v2, bodies_states };
-
-// What friction and springs make of a position: 1/G - M s^2; empty where that is nothing.
-std::optional<frac::FractionalTransferFunction> resistance(const frac::FractionalTransferFunction& receptance,
-                                                           double mass) {
-  const std::vector<frac::PowerTerm>& top = receptance.numerator();
-  const std::vector<frac::PowerTerm>& bottom = receptance.denominator();
-  std::vector<frac::PowerTerm> rest = frac::detail::merged(bottom, frac::detail::scaled(top, -mass, 2));
-  // The leading terms cancel but for rounding.
-  std::erase_if(rest, [&](const frac::PowerTerm& term) { return term.order > bottom.front().order - 1e-9; });
-  if (rest.empty()) return std::nullopt;
-  return frac::FractionalTransferFunction(rest, top);
-}
 
 // Where the rigid loop crosses over, from above; 1 where it never does.
 double crossover(const ControlLoop& loop) {
@@ -109,70 +95,22 @@ void RealisedLoop::choose_scale() {
   if (!controller_) scale_.segment(sine_, 2) << 1, pace_;
   if (phasor_ >= 0) scale_.segment(phasor_, 2).setConstant(length / pace_);
   if (one_ >= 0) scale_[one_] = system_.mass2() * length * pace_ * pace_ / force_limit_;
-  for (const std::optional<Placed>* placed : {&load_, &drive_, &twin_load_, &controller_}) {
-    if (*placed) scale_states(**placed);
+  for (const std::optional<PlacedOperator>* placed : {&load_, &drive_, &twin_load_, &controller_}) {
+    if (*placed) (*placed)->scale(scale_, length, pace_);
   }
 }
 
-RealisedLoop::Placed RealisedLoop::place(const frac::FractionalTransferFunction& operand, double shift,
-                                         double tolerance) {
-  Placed placed{realised(operand, band_, tolerance, shift), size_};
-  size_ += static_cast<Index>(placed.of.integral_weights.size());
-  for (const LoopOperator::OperatorMode& mode : placed.of.modes) size_ += mode.is_real() ? 1 : 2;
+PlacedOperator RealisedLoop::place(const frac::FractionalTransferFunction& operand, double shift, double tolerance) {
+  PlacedOperator placed{realised(operand, band_, tolerance, shift), size_};
+  size_ += placed.size();
   error_ = std::max(error_, placed.of.error);
   return placed;
-}
-
-void RealisedLoop::scale_states(const Placed& placed) {
-  Index i = placed.first;
-  double integral = system_.clearance();
-  for (std::size_t k = 0; k < placed.of.integral_weights.size(); ++k) scale_[i++] = integral /= pace_;
-  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
-    const double size = system_.clearance() * std::pow(pace_, mode.derivative) / std::max(pace_, std::abs(mode.rate));
-    scale_[i++] = size;
-    if (!mode.is_real()) scale_[i++] = size;
-  }
 }
 
 RealisedLoop::Row RealisedLoop::unit(Index i) const {
   Row row = Row::Zero(size_);
   row[i] = 1;
   return row;
-}
-
-RealisedLoop::Row RealisedLoop::output(const Placed& placed, const Row& position, const Row& velocity) const {
-  Row row = placed.of.on_position * position + placed.of.on_velocity * velocity;
-  Index i = placed.first;
-  for (const double weight : placed.of.integral_weights) row[i++] += weight;
-  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
-    row[i++] += 2 * mode.weight.real();
-    if (!mode.is_real()) row[i++] -= 2 * mode.weight.imag();
-  }
-  return row;
-}
-
-void RealisedLoop::fill(Eigen::MatrixXd& a, const Placed& placed, const Row& position, const Row& velocity,
-                        const Row& acceleration) const {
-  const Index integrals = placed.first;
-  Index i = integrals;
-  for (std::size_t k = 0; k < placed.of.integral_weights.size(); ++k, ++i) {
-    a.row(i) = k == 0 ? position : unit(i - 1);
-  }
-  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
-    const Row signal = mode.derivative == 0   ? position
-                       : mode.derivative == 1 ? velocity
-                       : mode.derivative == 2 ? acceleration
-                                              : unit(integrals - mode.derivative - 1);
-    a.row(i) = signal;
-    a(i, i) += mode.rate.real();
-    if (!mode.is_real()) {
-      a(i, i + 1) -= mode.rate.imag();
-      a(i + 1, i) += mode.rate.imag();
-      a(i + 1, i + 1) += mode.rate.real();
-      ++i;
-    }
-    ++i;
-  }
 }
 
 std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
@@ -192,9 +130,9 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
     error_rate += unit(sine_ + 1);
     reference_acceleration = -set_point_.sine_omega * set_point_.sine_omega * unit(sine_);
   }
-  const Row wanted = controller_ ? output(*controller_, error, error_rate) : Row(sine_force_ * unit(sine_));
-  const Row resisted1 = load_ ? output(*load_, unit(x1), unit(v1)) : none;
-  const Row resisted2 = drive_ ? output(*drive_, unit(x2), unit(v2)) : none;
+  const Row wanted = controller_ ? controller_->output(error, error_rate) : Row(sine_force_ * unit(sine_));
+  const Row resisted1 = load_ ? load_->output(unit(x1), unit(v1)) : none;
+  const Row resisted2 = drive_ ? drive_->output(unit(x2), unit(v2)) : none;
   const Row force = mode.limit == Limit::none   ? wanted
                     : mode.limit == Limit::high ? Row(force_limit_ * unit(one_))
                                                 : Row(-force_limit_ * unit(one_));
@@ -203,7 +141,7 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   const Row together = (force - resisted1 - resisted2) / (mass1 + mass2);
   const Row acceleration1 = mode.contact ? together : free1;
   const Row acceleration2 = mode.contact ? together : free2;
-  const Row twin_resisted = twin_load_ ? output(*twin_load_, unit(twin_), unit(twin_ + 1)) : none;
+  const Row twin_resisted = twin_load_ ? twin_load_->output(unit(twin_), unit(twin_ + 1)) : none;
   const Row twin_acceleration = -twin_resisted / mass1;
 
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size_, size_);
@@ -220,11 +158,11 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
     a.row(twin_) = unit(twin_ + 1);
     a.row(twin_ + 1) = twin_acceleration;
   }
-  if (load_) fill(a, *load_, unit(x1), unit(v1), acceleration1);
-  if (drive_) fill(a, *drive_, unit(x2), unit(v2), acceleration2);
-  if (twin_load_) fill(a, *twin_load_, unit(twin_), unit(twin_ + 1), twin_acceleration);
+  if (load_) load_->fill(a, unit(x1), unit(v1), acceleration1);
+  if (drive_) drive_->fill(a, unit(x2), unit(v2), acceleration2);
+  if (twin_load_) twin_load_->fill(a, unit(twin_), unit(twin_ + 1), twin_acceleration);
   const Row followed_acceleration = is_driven_ ? acceleration2 : has_twin() ? twin_acceleration : acceleration1;
-  if (controller_) fill(a, *controller_, error, error_rate, reference_acceleration - followed_acceleration);
+  if (controller_) controller_->fill(a, error, error_rate, reference_acceleration - followed_acceleration);
   if (phasor_ >= 0) {
     // w' = j omega w + x: e^{-j omega t} w is the integral of x e^{-j omega t}.
     a.row(phasor_) = unit(followed) - set_point_.sine_omega * unit(phasor_ + 1);
@@ -245,14 +183,6 @@ const RealisedLoop::Regime& RealisedLoop::regime(Mode mode) const {
   return *slot;
 }
 
-void RealisedLoop::kick(Eigen::VectorXd& state, const Placed& placed, int derivative, double size) {
-  Index i = placed.first + static_cast<Index>(placed.of.integral_weights.size());
-  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
-    if (mode.derivative == derivative) state[i] += size;
-    i += mode.is_real() ? 1 : 2;
-  }
-}
-
 Eigen::VectorXd RealisedLoop::rest(const LoopStart& start) const {
   Eigen::VectorXd state = Eigen::VectorXd::Zero(size_);
   state[x1] = start.x1;
@@ -266,15 +196,15 @@ Eigen::VectorXd RealisedLoop::rest(const LoopStart& start) const {
 void RealisedLoop::jump(Eigen::VectorXd& state, double velocity1, double velocity2) const {
   state[v1] += velocity1;
   state[v2] += velocity2;
-  if (load_) kick(state, *load_, 2, velocity1);
-  if (drive_) kick(state, *drive_, 2, velocity2);
-  if (controller_ && !has_twin()) kick(state, *controller_, 2, is_driven_ ? -velocity2 : -velocity1);
+  if (load_) load_->kick(state, 2, velocity1);
+  if (drive_) drive_->kick(state, 2, velocity2);
+  if (controller_ && !has_twin()) controller_->kick(state, 2, is_driven_ ? -velocity2 : -velocity1);
 }
 
 void RealisedLoop::twin_jumps(Eigen::VectorXd& state, double velocity1) const {
   state[twin_ + 1] += velocity1;
-  if (twin_load_) kick(state, *twin_load_, 2, velocity1);
-  kick(state, *controller_, 2, -velocity1);
+  if (twin_load_) twin_load_->kick(state, 2, velocity1);
+  controller_->kick(state, 2, -velocity1);
 }
 
 void RealisedLoop::twin_starts(Eigen::VectorXd& state, double position) const {
@@ -286,7 +216,7 @@ void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
   if (!set_point_.knots.empty()) step += set_point_.knots.front().value;
   if (reference_ >= 0) {
     state[reference_] += step;
-    kick(state, *controller_, 1, step);
+    controller_->kick(state, 1, step);
     // A derivative that meets a step kicks mass 2; an actuator of limited force has no time for that.
     if (step != 0 && controller_->of.on_velocity != 0 && std::isinf(force_limit_)) {
       jump(state, 0, controller_->of.on_velocity * step / system_.mass2());
@@ -296,7 +226,7 @@ void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
   if (controller_ && sine_ >= 0) {
     const double slope = set_point_.sine_amplitude * set_point_.sine_omega;
     state[sine_ + 1] += slope;
-    kick(state, *controller_, 2, slope);
+    controller_->kick(state, 2, slope);
   }
 }
 
@@ -308,7 +238,7 @@ std::complex<double> RealisedLoop::take_phasor(Eigen::VectorXd& state) const {
 
 void RealisedLoop::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
   state[reference_ + 1] += change_of_slope;
-  kick(state, *controller_, 2, change_of_slope);
+  controller_->kick(state, 2, change_of_slope);
 }
 
 }  // namespace backlash::detail

@@ -12,7 +12,7 @@
 #include "backlash/loops/control_loop.hpp"
 #include "backlash/loops/simulate_loop.hpp"
 #include "linear_flight.hpp"
-#include "loop_operator.hpp"
+#include "placed_operator.hpp"
 
 namespace backlash::detail {
 
@@ -77,20 +77,10 @@ class RealisedLoop {
 
  private:
   using Row = Eigen::RowVectorXd;
-  // An operator with the index of its first integral and of its first mode.
-  struct Placed {
-    LoopOperator of;
-    Eigen::Index first;
-  };
   void place_bodies(const LinearBodies& bodies, double tolerance);
   void choose_scale();
-  [[nodiscard]] Placed place(const frac::FractionalTransferFunction& operand, double shift, double tolerance);
+  [[nodiscard]] PlacedOperator place(const frac::FractionalTransferFunction& operand, double shift, double tolerance);
   [[nodiscard]] Row unit(Eigen::Index i) const;
-  [[nodiscard]] Row output(const Placed& placed, const Row& position, const Row& velocity) const;
-  void fill(Eigen::MatrixXd& a, const Placed& placed, const Row& position, const Row& velocity,
-            const Row& acceleration) const;
-  void scale_states(const Placed& placed);
-  static void kick(Eigen::VectorXd& state, const Placed& placed, int derivative, double size);
   [[nodiscard]] std::unique_ptr<Regime> make(Mode mode) const;
 
   TwoMassSystem system_;
@@ -103,8 +93,8 @@ class RealisedLoop {
   double error_ = 0;
   Eigen::Index size_ = 0;
   Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, twin_ = -1, phasor_ = -1;
-  std::optional<Placed> load_, drive_, twin_load_;
-  std::optional<Placed> controller_;
+  std::optional<PlacedOperator> load_, drive_, twin_load_;
+  std::optional<PlacedOperator> controller_;
   double sine_force_ = 0;  // N, in place of the controller
   Eigen::VectorXd scale_;
   mutable std::array<std::unique_ptr<Regime>, 6> regimes_;

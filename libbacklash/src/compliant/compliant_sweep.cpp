@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "backlash/compliant/compliant_bodies.hpp"
+#include "base/check.hpp"
+#include "compliant_orbit.hpp"
+#include "frac/cancellation.hpp"
+#include "frac/parallel_for.hpp"
+#include "loops/equations/gap_response.hpp"
+#include "loops/motions/forced_motion.hpp"
+#include "loops/motions/symmetric_forced_orbit.hpp"
+#include "steady_state/describing_function_point.hpp"
+#include "steady_state/two_impact_orbit.hpp"
+#include "steady_state/window_mean.hpp"
+#include "symmetric_compliant_orbit.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+using Index = Eigen::Index;
+
+// Of fractional powers.
+constexpr double realisation = 1e-9;
+// Force periods: before returns are looked for, between two looks, of the longest orbit, left to the transient of a
+// mean, of its window, of one that is judged, without a contact until there is none to come, and of the value of a
+// motion without any.
+constexpr std::size_t first_look = 16, look_interval = 8, longest_period = 32, transient = 256, window = 1024,
+                      first_judged = 128, quiet_periods = 64, quiet_window = 8;
+// Periods followed from a guess of an orbit before Newton's method.
+constexpr int settling = 2;
+// Over the sizes of the states: near enough for Newton's method.
+constexpr double near_return = 1e-3;
+
+struct Peak {
+  Eigen::VectorXd state;  // those that repeat
+  std::int64_t contacts;  // until then
+  Complex phasor;         // of that period, m/N
+};
+
+/// A point with the state at its last peak.
+struct Reached {
+  DescribingFunctionPoint point;
+  Eigen::VectorXd state;
+  CompliantMode mode;
+};
+
+class Point {
+ public:
+  Point(const CompliantBodies& bodies, double force, double omega, const SweepOptions& options)
+      : bodies_(bodies),
+        force_{force, omega},
+        options_(options),
+        flow_(bodies, force_, options.output, realisation, 1) {}
+
+  /// The stable orbit of one period near a motion that begins there, if Newton's method finds one.
+  [[nodiscard]] std::optional<Reached> near(const LoopStart& start) const {
+    const Eigen::VectorXd state = flow_.start(start);
+    CompliantRun run(flow_, state, flow_.mode_of(state));
+    if (!run.follow(settling)) return std::nullopt;
+    const auto orbit = closed_orbit(flow_, run.state(), run.mode(), 1);
+    if (!orbit || orbit->contacts == 0 || !(orbit->largest_multiplier < 1)) return std::nullopt;
+    return reached(*orbit);
+  }
+
+  /// Follows the motion until it is decided what it comes to.
+  [[nodiscard]] Reached follow(const LoopStart& start) {
+    const Eigen::VectorXd state = flow_.start(start);
+    CompliantRun run(flow_, state, flow_.mode_of(state));
+    peaks_.clear();
+    std::size_t wait_until = first_look;
+    const auto ended = [&](const DescribingFunctionPoint& point) { return Reached{point, run.state(), run.mode()}; };
+    while (peaks_.size() < transient + window) {
+      if (!run.follow(1)) break;
+      peaks_.push_back({repeating(run.state()), run.contacts(), position(run.phasors().front())});
+      if (is_quiet()) return ended(quiet());
+      if (is_known()) break;
+      if (peaks_.size() < wait_until || peaks_.size() % look_interval != 0) continue;
+      const std::optional<int> periods = returns_after();
+      if (!periods) continue;
+      const auto orbit = closed_orbit(flow_, run.state(), run.mode(), *periods);
+      if (orbit && orbit->contacts > 0 && orbit->largest_multiplier < 1) return reached(*orbit);
+      // What led nowhere is left alone for as long again.
+      wait_until = 2 * peaks_.size();
+    }
+    return ended(mean());
+  }
+
+ private:
+  [[nodiscard]] Complex position(Complex velocity) const {
+    return velocity / Complex(0, force_.omega) / force_.amplitude;
+  }
+
+  [[nodiscard]] Eigen::VectorXd repeating(const Eigen::VectorXd& state) const {
+    Eigen::VectorXd result(static_cast<Index>(flow_.repeating().size()));
+    for (std::size_t i = 0; i < flow_.repeating().size(); ++i) {
+      const Index at = flow_.repeating()[i];
+      result[static_cast<Index>(i)] = state[at] / flow_.sizes()[at];
+    }
+    return result;
+  }
+
+  [[nodiscard]] const Peak& back(std::size_t periods) const { return peaks_[peaks_.size() - 1 - periods]; }
+
+  [[nodiscard]] std::optional<int> returns_after() const {
+    for (std::size_t p = 1; p <= std::min(longest_period, peaks_.size() - 1); ++p)
+      if ((back(0).state - back(p).state).cwiseAbs().maxCoeff() < near_return && back(0).contacts > back(p).contacts)
+        return static_cast<int>(p);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool is_quiet() const {
+    return peaks_.size() > quiet_periods && back(0).contacts == back(quiet_periods).contacts;
+  }
+
+  // Without contacts body 1 comes to rest; body 2 moves as its own receptance and dry friction let it.
+  [[nodiscard]] DescribingFunctionPoint quiet() const {
+    DescribingFunctionPoint point = free_point(bodies_.hard(), force_.omega, options_.output);
+    if (options_.output == Output::x1 || flow_.friction(1) == 0) return point;
+    point.value = mean_of_last(quiet_window);
+    for (std::size_t i = 0; i < quiet_window; ++i)
+      point.uncertainty = std::max(point.uncertainty, std::abs(back(i).phasor - point.value));
+    point.energy_defect = std::numeric_limits<double>::quiet_NaN();
+    return point;
+  }
+
+  [[nodiscard]] Complex mean_of_last(std::size_t periods, std::size_t before = 0) const {
+    Complex sum = 0;
+    for (std::size_t i = 0; i < periods; ++i) sum += back(before + i).phasor;
+    return sum / static_cast<double>(periods);
+  }
+
+  [[nodiscard]] Reached reached(const CompliantOrbit& orbit) const {
+    const CompliantReading reading = read_orbit(orbit, bodies_, force_, options_.output, realisation);
+    DescribingFunctionPoint point = empty_point(force_.omega);
+    point.value = reading.value;
+    point.period = orbit.periods;
+    point.impacts_per_period = static_cast<double>(orbit.contacts) / orbit.periods;
+    point.third_harmonic_ratio = reading.third_ratio;
+    point.even_harmonic_ratio = reading.is_symmetric ? 0 : reading.second_ratio;
+    point.regime = reading.is_symmetric ? Regime::symmetric : Regime::periodic;
+    // What flights and the difference of gap and wall, times the stiffness, round, what the last step leaves, and what
+    // a weak attraction makes of it.
+    const FreeContact free = free_contact(bodies_.contact(), bodies_.system().mass1(), bodies_.system().mass2());
+    const double rounding = 1e-13 + 5e-16 * std::pow(free.frequency / force_.omega, 2);
+    point.uncertainty =
+        std::max(rounding, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
+        flow_.error() * std::abs(point.value);
+    point.energy_defect = std::abs(reading.work - reading.loss) / reading.moved;
+    point.lyapunov_exponent = std::log(orbit.largest_multiplier) / orbit.periods;
+    return {point, orbit.state, orbit.mode};
+  }
+
+  // A mean of which that is enough.
+  [[nodiscard]] bool is_known() const {
+    const std::size_t length = peaks_.size() > transient ? peaks_.size() - transient : 0;
+    if (options_.mean_tolerance == 0 || length < first_judged || (length & (length - 1)) != 0) return false;
+    const DescribingFunctionPoint point = mean();
+    return point.uncertainty <= options_.mean_tolerance * std::abs(point.value);
+  }
+
+  [[nodiscard]] DescribingFunctionPoint mean() const {
+    DescribingFunctionPoint point = empty_point(force_.omega);
+    point.transient_possible = true;
+    point.periods_followed = static_cast<double>(peaks_.size());
+    const std::size_t length = std::max(peaks_.size() > transient ? peaks_.size() - transient : 0,
+                                        std::min<std::size_t>(peaks_.size() / 2, transient));
+    if (length < 16) return point;
+    point.value = mean_of_last(length);
+    point.impacts_per_period =
+        static_cast<double>(back(0).contacts - back(length).contacts) / static_cast<double>(length);
+    double half_width = 0;
+    for (const std::size_t batches : {std::size_t{16}, std::size_t{8}}) {
+      std::vector<Complex> deviations;
+      const std::size_t each = length / batches;
+      for (std::size_t i = 0; i < batches; ++i) deviations.push_back(mean_of_last(each, i * each) - point.value);
+      half_width = std::max(half_width, half_width_of_mean(deviations));
+    }
+    point.uncertainty = half_width + flow_.error() * std::abs(point.value);
+    return point;
+  }
+
+  const CompliantBodies& bodies_;
+  SineForce force_;
+  const SweepOptions& options_;
+  CompliantFlow flow_;
+  std::vector<Peak> peaks_;
+};
+
+// The symmetric orbits of two contacts of free bodies, one frequency after the other.
+class SymmetricOrbitsOfContacts {
+ public:
+  SymmetricOrbitsOfContacts(const CompliantBodies& bodies, double force, Output output)
+      : bodies_(bodies),
+        force_(force),
+        output_(output),
+        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())),
+        hard_(bodies.system().restitution()) {}
+
+  /// Where there is one that attracts.
+  [[nodiscard]] std::optional<DescribingFunctionPoint> at(double omega) {
+    const double gamma = dimensionless_force(bodies_.system(), force_, omega);
+    const CompliantGroups groups{gamma, contact_.frequency / omega, contact_.damping_ratio};
+    std::optional<SymmetricCompliantOrbit> orbit;
+    if (last_) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
+    if (!orbit) orbit = from_hard(groups);
+    if (!orbit || !(orbit->largest_multiplier < 1)) return std::nullopt;
+    last_ = orbit;
+    last_omega_ = omega;
+    return point(*orbit, gamma, omega);
+  }
+
+  /// State at a peak of the force on the last orbit.
+  [[nodiscard]] LoopStart at_peak() const {
+    const CompliantFlow flow(bodies_, {force_, last_omega_}, output_, realisation, 1);
+    const double width = bodies_.system().clearance(), total = bodies_.system().mass1() + bodies_.system().mass2();
+    const double rate = last_->speed * width * last_omega_;
+    // The centre of mass at rest at the next peak.
+    const double centre = force_ / (total * last_omega_) * std::sin(last_->angle);
+    const double v1 = centre - bodies_.system().mass2() / total * rate;
+    Eigen::VectorXd state = flow.start({0, v1, 0.5 * width, v1 + rate});
+    state[CompliantFlow::cosine] = std::cos(last_->angle);
+    state[CompliantFlow::sine] = std::sin(last_->angle);
+    CompliantRun run(flow, state, flow.mode_of(state));
+    const double turn = 2 * std::numbers::pi;
+    const double until = (turn - std::fmod(std::fmod(last_->angle, turn) + turn, turn)) / last_omega_;
+    while (run.time() < until && !run.has_escaped()) run.advance(until);
+    return CompliantFlow::positions(run.state());
+  }
+
+ private:
+  // From contacts so stiff that they are nearly hard, softer by halves.
+  [[nodiscard]] std::optional<SymmetricCompliantOrbit> from_hard(const CompliantGroups& groups) const {
+    constexpr double stiff = 512;
+    if (!(groups.gamma >= hard_.saddle_node())) return std::nullopt;
+    const SymmetricImpact impact = hard_.at(groups.gamma);
+    int halvings = 0;
+    while (std::ldexp(groups.nu, halvings) < stiff) ++halvings;
+    CompliantGroups of = groups;
+    of.nu = std::ldexp(groups.nu, halvings);
+    // The hard orbit's phase is that of the other wall.
+    double angle = std::atan2(impact.sin_phase, impact.cos_phase) + std::numbers::pi;
+    std::optional<SymmetricCompliantOrbit> orbit =
+        symmetric_compliant_orbit(of, angle, impact.speed, contact_.duration * contact_.frequency / of.nu);
+    for (; orbit && halvings > 0; --halvings) {
+      of.nu /= 2;
+      // In first order of 1/nu.
+      const double before_angle = angle, shift = orbit->angle - before_angle;
+      angle = orbit->angle;
+      orbit = symmetric_compliant_orbit(of, orbit->angle + shift, orbit->speed, 2 * orbit->duration);
+    }
+    return orbit;
+  }
+
+  [[nodiscard]] DescribingFunctionPoint point(const SymmetricCompliantOrbit& orbit, double gamma, double omega) const {
+    const double mass1 = bodies_.system().mass1(), mass2 = bodies_.system().mass2();
+    // With the gap's phasor U = contact - gamma: x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma over the inertia.
+    const Complex gap = orbit.contact[0] - gamma;
+    const double inertia = (mass1 + mass2) * omega * omega, share = mass1 / mass2;
+    const Complex first = -orbit.contact[0] / gamma, second = -1.0 + share * gap / gamma;
+    const bool is_first = output_ == Output::x1;
+    DescribingFunctionPoint point = empty_point(omega);
+    point.value = (is_first ? first : second) / inertia;
+    point.regime = Regime::symmetric;
+    point.period = 1;
+    point.impacts_per_period = 2;
+    point.third_harmonic_ratio =
+        (is_first ? 1 : share) * std::abs(orbit.contact[1]) / (9 * gamma * std::abs(is_first ? first : second));
+    point.even_harmonic_ratio = 0;
+    point.uncertainty =
+        std::max(1e-13, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier);
+    const double work = -std::numbers::pi * gamma * gap.imag(), moved = 2 * gamma * gamma / share * std::abs(second);
+    point.energy_defect = std::abs(work - orbit.loss) / moved;
+    point.lyapunov_exponent = std::log(orbit.largest_multiplier);
+    return point;
+  }
+
+  const CompliantBodies& bodies_;
+  double force_;
+  Output output_;
+  FreeContact contact_;
+  SymmetricFamily hard_;
+  std::optional<SymmetricCompliantOrbit> last_;
+  double last_omega_ = 0;
+};
+
+// At a peak of the force; free bodies with their centre of mass at rest, as the force leaves it there.
+LoopStart protocol_start(const CompliantBodies& bodies, Protocol protocol) {
+  LoopStart start;
+  if (protocol == Protocol::contact_at_rest) {
+    start.x1 = 0.25 * bodies.system().clearance();
+    start.x2 = -start.x1;
+  }
+  return start;
+}
+
+}  // namespace
+}  // namespace backlash::detail
+
+namespace backlash {
+
+DescribingFunctionSweep bodies_describing_function(const CompliantBodies& bodies, double force_amplitude,
+                                                   const std::vector<double>& omega, const SweepOptions& options) {
+  return std::move(bodies_describing_functions({{bodies, force_amplitude}}, omega, options).front());
+}
+
+std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vector<CompliantScene>& scenes,
+                                                                 const std::vector<double>& omega,
+                                                                 const SweepOptions& options,
+                                                                 frac::Progress* progress) {
+  detail::require_valid(options);
+  detail::require_frequency_grid(omega);
+  std::vector<DescribingFunctionSweep> sweeps;
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const CompliantScene& scene = scenes[i];
+    const std::string which = scenes.size() == 1 ? "" : " of scene " + std::to_string(i);
+    detail::require_positive("force_amplitude" + which, "N", scene.force_amplitude);
+    sweeps.push_back({scene.bodies.system(), scene.force_amplitude, options, {}});
+    sweeps.back().points.resize(omega.size());
+  }
+  if (progress != nullptr) progress->total += scenes.size() * omega.size();
+  const bool is_carried =
+      options.protocol != Protocol::contact_at_rest && options.protocol != Protocol::mid_gap_at_rest;
+  const auto count = [&] {
+    if (progress != nullptr) ++progress->done;
+  };
+  if (!is_carried) {
+    frac::parallel_for(scenes.size() * omega.size(), options.threads, [&](std::size_t number) {
+      const CompliantScene& scene = scenes[number / omega.size()];
+      const std::size_t i = number % omega.size();
+      detail::Point point(scene.bodies, scene.force_amplitude, omega[i], options);
+      sweeps[number / omega.size()].points[i] =
+          point.follow(detail::protocol_start(scene.bodies, options.protocol)).point;
+      count();
+    });
+    return sweeps;
+  }
+  const bool is_down = options.protocol == Protocol::sweep_down;
+  frac::parallel_for(scenes.size(), options.threads, [&](std::size_t number) {
+    const auto& [bodies, force] = scenes[number];
+    const bool seeks_orbit = options.protocol == Protocol::two_impact;
+    std::optional<detail::SymmetricOrbitsOfContacts> symmetric;
+    if (seeks_orbit && bodies.are_free()) symmetric.emplace(bodies, force, options.output);
+    std::optional<detail::ImpulseAnswer> response;
+    LoopStart carried = detail::protocol_start(bodies, options.protocol);
+    bool is_owed = false;  // the state of a symmetric orbit, until it is needed
+    for (std::size_t step = 0; step < omega.size(); ++step) {
+      frac::throw_if_cancelled();
+      const std::size_t i = is_down ? omega.size() - 1 - step : step;
+      DescribingFunctionPoint& point = sweeps[number].points[i];
+      count();
+      if (symmetric) {
+        if (const auto found = symmetric->at(omega[i])) {
+          point = *found;
+          is_owed = true;
+          continue;
+        }
+        if (std::exchange(is_owed, false)) carried = symmetric->at_peak();
+      }
+      detail::Point at(bodies, force, omega[i], options);
+      std::optional<detail::Reached> reached;
+      if (seeks_orbit) {
+        if (!response) response.emplace(detail::gap_response(bodies.hard()));
+        reached = at.near(carried);
+        const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
+        if (!reached && hard.exists()) reached = at.near(hard.at_peak());
+      }
+      if (!reached) reached = at.follow(carried);
+      point = reached->point;
+      carried = detail::CompliantFlow::positions(reached->state);
+    }
+  });
+  return sweeps;
+}
+
+}  // namespace backlash
