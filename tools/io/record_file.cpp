@@ -200,6 +200,8 @@ RecordFile read_record(const std::string& file, const RecordReadOptions& options
   const auto told = record_columns_told(options.columns);
   std::vector<std::string> notes;
   Signals signals = signals_in(file, told, notes);
+  std::size_t longest = 0;
+  for (const auto& values : signals.values) longest = std::max(longest, values.size());
   const auto is_told = [&](std::string_view key) {
     return std::any_of(told.begin(), told.end(), [&](const auto& each) { return each.first == key; });
   };
@@ -218,9 +220,10 @@ RecordFile read_record(const std::string& file, const RecordReadOptions& options
                             std::to_string(signals.names.size()) + ": " + shortened_list(signals.names));
       found.push_back(place);
     }
+    // A MAT-file may hold one period of the reference, or settings, beside the samples.
     if (!is_told(key))
       for (std::size_t i = 0; i < signals.names.size(); ++i)
-        if (key_of(signals.names[i]) == key &&
+        if (key_of(signals.names[i]) == key && signals.values[i].size() == longest &&
             std::none_of(told.begin(), told.end(), [&](const auto& each) { return each.second == signals.names[i]; }))
           found.push_back(i);
     if (key != "output" && found.size() > 1)

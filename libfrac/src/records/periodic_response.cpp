@@ -101,7 +101,7 @@ Estimated periodic_response(const Record& record, double length) {
       point.periods = static_cast<double>(k * periods);
       set_ratio(line, output, point);
       // Below 10 dB the mean of a ratio is no longer its value, and its error no longer normal (Pintelon, Schoukens
-      // 2012, section 2.6).
+      // 2012, chapter 2).
       constexpr double least_ratio = 10;
       if (point.flag.empty() && !(std::norm(line.value(0)) >= least_ratio * line.covariance(0, 0).real()))
         point.flag = "the input is no stronger than its noise";

@@ -77,7 +77,7 @@ Estimated estimate(const Record& record, Excitation excitation, double length, c
 }
 
 /// Mean over realisations; the deviation is that of their scatter, which holds noise and distortion (Pintelon,
-/// Schoukens 2012, section 4.3).
+/// Schoukens 2012, chapter 4).
 void average(const std::vector<Estimated>& all, std::vector<std::vector<ResponsePoint>>& outputs) {
   const auto count = static_cast<double>(all.size());
   for (std::size_t output = 0; output < outputs.size(); ++output) {

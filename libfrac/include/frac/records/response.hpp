@@ -75,10 +75,10 @@ struct ResponseEstimate {
 ///
 /// Periodic: the whole periods of the record as one discrete Fourier transform, whose lines between those of the period
 /// hold noise and transient alone.  A polynomial of order 2 over the nearest 12 to 24 of them takes the transient away
-/// and leaves the covariance of the noise of input and output together (Pintelon, Schoukens 2012, section 7.3; the
-/// errors of both count).  Lines of the period that the excitation leaves out show distortion (ibid., section 4.3).
+/// and leaves the covariance of the noise of input and output together (Pintelon, Schoukens 2012, chapter 7; the
+/// errors of both count).  Lines of the period that the excitation leaves out show distortion (ibid., chapter 4).
 /// Stepped sine: the same for each segment, with harmonics.
-/// Arbitrary: the local polynomial method of order 2 in response and transient (ibid., section 7.2), from the reference
+/// Arbitrary: the local polynomial method of order 2 in response and transient (ibid., chapter 7), from the reference
 /// to input and outputs where there is one; else over a common denominator of order 2 where that follows the lines
 /// better (McKelvey, Guerin 2012).
 ///
