@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
 
 #include "records/estimators.hpp"
 #include "special/distributions.hpp"
@@ -14,13 +17,20 @@ struct Detection {
   double power;      // without that of the noise, mean of its square; may be negative
 };
 
-/// Lines of the period that the drive excites: above its noise with a chance of 1e-3 over all lines to be wrong, and
-/// at least a hundredth of the largest, under which lie the distortion of amplifiers and the answer of a loop.
-std::vector<std::size_t> excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index drive) {
-  constexpr double least_share = 0.01, chance = 1e-3;
+/// Lines of the period that the drive excites, and how many others it has above its noise.
+struct ExcitedLines {
+  std::vector<std::size_t> lines;
+  std::size_t others = 0;
+};
+
+/// Lines count that stand above the noise, with a chance of 1e-3 over all lines to be wrong, and are at least a
+/// hundredth of the largest.  Where a gap of more than a factor of 4 parts them (the widest one), those below it are
+/// distortion of the amplifier or the answer of a loop; lines of a square wave are a factor of 3 apart at most.
+ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index drive) {
+  constexpr double least_share = 0.01, chance = 1e-3, least_gap = 4;
   double largest = 0;
   for (const auto& line : lines) largest = std::max(largest, std::abs(line.value(drive)));
-  std::vector<std::size_t> excited;
+  std::vector<std::pair<double, std::size_t>> strong;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double amplitude = std::abs(lines[i].value(drive));
     if (!(amplitude >= least_share * largest) || amplitude == 0) continue;
@@ -29,8 +39,20 @@ std::vector<std::size_t> excited_lines(const std::vector<LineEstimate>& lines, E
     if (std::isfinite(ratio) &&
         fisher_f_above(ratio, 2, 2 * lines[i].degrees) > chance / static_cast<double>(lines.size()))
       continue;
-    excited.push_back(i + 1);
+    strong.emplace_back(amplitude, i + 1);
   }
+  std::sort(strong.rbegin(), strong.rend());
+  std::size_t count = strong.size();
+  double widest = least_gap;
+  for (std::size_t i = 1; i < strong.size(); ++i)
+    if (strong[i - 1].first > widest * strong[i].first) {
+      widest = strong[i - 1].first / strong[i].first;
+      count = i;
+    }
+  ExcitedLines excited;
+  excited.others = strong.size() - count;
+  for (std::size_t i = 0; i < count; ++i) excited.lines.push_back(strong[i].second);
+  std::sort(excited.lines.begin(), excited.lines.end());
   return excited;
 }
 
@@ -85,11 +107,16 @@ Estimated periodic_response(const Record& record, double length) {
   for (std::size_t bin = periods; bin < found.spectra.front().size(); bin += periods) lines.push_back(reader(bin));
   const bool has_reference = !record.reference().empty();
   const auto drive = static_cast<Eigen::Index>(has_reference ? outputs + 1 : 0);
-  const std::vector<std::size_t> excited = excited_lines(lines, drive);
+  const ExcitedLines all_excited = excited_lines(lines, drive);
+  const std::vector<std::size_t>& excited = all_excited.lines;
   Estimated estimated;
   estimated.periods = static_cast<double>(periods);
   estimated.outputs.resize(outputs);
   if (excited.empty()) return estimated;
+  if (all_excited.others > 0)
+    estimated.remarks.push_back(std::to_string(all_excited.others) +
+                                " lines of the input are above its noise and less than a quarter of the others: they "
+                                "are taken as distortion of the input and not as excitation");
   const bool odd_alone = std::all_of(excited.begin(), excited.end(), [](std::size_t k) { return k % 2 == 1; });
   estimated.all_lines_excited = excited.size() == excited.back() - excited.front() + 1;
   for (std::size_t output = 0; output < outputs; ++output) {

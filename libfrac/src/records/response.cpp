@@ -164,6 +164,7 @@ ResponseEstimate response(const std::vector<Record>& records, const ResponseOpti
   }
   result.outputs = all.front().outputs;
   result.periods = all.front().periods;
+  result.remarks.insert(result.remarks.end(), all.front().remarks.begin(), all.front().remarks.end());
   if (result.excitation == Excitation::periodic) result.period = length * first.sample_time();
   if (result.excitation == Excitation::stepped_sine) {
     result.realisations = 1;
