@@ -28,7 +28,7 @@ class History : public Command {
     o.one_number("--position", position_, "of the start").default_is("mid-gap");
     o.one_number("--velocity", velocity_, "of the start");
     o.count("--skip", skip_, 0, longest_skip, "Force periods to follow before the first row", "N");
-    o.count("--periods", periods_, 1, largest_table, "Force periods to write", "N");
+    o.count("--periods", periods_, 1, largest_table, "Periods to write; of the force", "N");
     o.count("--samples", samples_, 1, largest_table, "Rows per period, besides two per impact", "N");
     add_common({"csv", "json", "table"});
     set_footer(

@@ -62,8 +62,8 @@ std::vector<CommandGroup> all_commands() {
   std::vector<CommandGroup> groups;
   groups.push_back(group("Backlash", make_simulate, make_jump_law, make_orbits, make_map, make_history, make_basins,
                          make_limit_cycles, make_loop));
-  groups.push_back(group("Fitting", make_validate, make_fit, make_identify, make_identify_scene, make_batch,
-                         make_joint_fit, make_report));
+  groups.push_back(group("Fitting", make_multisine, make_response, make_validate, make_fit, make_identify,
+                         make_identify_scene, make_batch, make_joint_fit, make_report));
   groups.push_back(group("Models", make_analyse, make_evaluate, make_drt, make_respond, make_approximate, make_realise,
                          make_mittag_leffler));
   groups.push_back(group("Controllers", make_controller, make_tune));

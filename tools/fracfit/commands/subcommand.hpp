@@ -34,10 +34,12 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_map();
 [[nodiscard]] std::unique_ptr<Command> make_merge();
 [[nodiscard]] std::unique_ptr<Command> make_mittag_leffler();
+[[nodiscard]] std::unique_ptr<Command> make_multisine();
 [[nodiscard]] std::unique_ptr<Command> make_orbits();
 [[nodiscard]] std::unique_ptr<Command> make_realise();
 [[nodiscard]] std::unique_ptr<Command> make_report();
 [[nodiscard]] std::unique_ptr<Command> make_respond();
+[[nodiscard]] std::unique_ptr<Command> make_response();
 [[nodiscard]] std::unique_ptr<Command> make_simulate();
 [[nodiscard]] std::unique_ptr<Command> make_tune();
 [[nodiscard]] std::unique_ptr<Command> make_validate();

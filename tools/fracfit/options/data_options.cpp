@@ -11,7 +11,7 @@ void add_file_options(Options& options, io::MeasurementOptions& how) {
             static_cast<void>(io::columns_told(text));
             return text;
           },
-          "Which column is what, by number or name, e.g. f=1,re=2,-im=3; keys f, omega, re, im, -im, magnitude, "
+          "Which column is what, by number or name; e.g. f=1,re=2,-im=3, keys f, omega, re, im, -im, magnitude, "
           "magnitude_db, phase_deg, phase_rad, sigma, weight",
           "LIST")
       .only_for(frequency_response);

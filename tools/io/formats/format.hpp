@@ -47,6 +47,16 @@ struct Recognised {
   std::string unit = {};                // of the values by the rules of the format, where the names give none
 };
 
+/// A vector of a file of named ones.
+struct NamedVector {
+  std::string name;
+  std::vector<std::complex<double>> values;
+  bool is_complex = false;
+};
+/// The vectors of a MAT-file of level 5, nothing of another file.
+/// @throws DataError  it is damaged, of another level, or this program reads none.
+[[nodiscard]] std::optional<std::vector<NamedVector>> matlab_vectors(const Source& source);
+
 // Each reader looks at the content alone.  It returns nothing where the file is of another format, and throws DataError
 // where it is of this one and damaged or without a spectrum.
 [[nodiscard]] std::optional<Recognised> read_gamry(const Source& source);

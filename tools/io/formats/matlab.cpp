@@ -24,11 +24,7 @@ namespace io {
 #ifdef FRACFIT_MATIO
 namespace {
 
-struct Vector {
-  std::string name;
-  std::vector<std::complex<double>> values;
-  bool is_complex = false;
-};
+using Vector = NamedVector;
 
 /// The functions of libmatio that are called here, under the types of its header.
 struct Matio {
@@ -108,11 +104,17 @@ std::string names_of(const std::vector<Vector>& vectors) {
 
 }  // namespace
 
-std::optional<Recognised> read_matlab(const Source& source) {
+std::optional<std::vector<NamedVector>> matlab_vectors(const Source& source) {
   if (source.bytes.starts_with("MATLAB 7.3 MAT-file"))
     throw DataError(source.file, 0, 0, "is a MAT-file of version 7.3; expected level 5, which save -v7 writes");
   if (!source.bytes.starts_with("MATLAB 5.0 MAT-file")) return std::nullopt;
-  const std::vector<Vector> vectors = vectors_in(source);
+  return vectors_in(source);
+}
+
+std::optional<Recognised> read_matlab(const Source& source) {
+  const auto found_vectors = matlab_vectors(source);
+  if (!found_vectors) return std::nullopt;
+  const std::vector<Vector>& vectors = *found_vectors;
   const Vector *frequency = nullptr, *real = nullptr, *imaginary = nullptr;
   ColumnMeaning unit_of_frequency{}, unit_of_real{};
   double sign = 1;
@@ -166,9 +168,14 @@ std::optional<Recognised> read_matlab(const Source& source) {
 
 #else
 
-std::optional<Recognised> read_matlab(const Source& source) {
+std::optional<std::vector<NamedVector>> matlab_vectors(const Source& source) {
   if (source.bytes.starts_with("MATLAB 5.0 MAT-file") || source.bytes.starts_with("MATLAB 7.3 MAT-file"))
     throw DataError(source.file, 0, 0, "is a MAT-file; this fracfit was built without libmatio, which reads them");
+  return std::nullopt;
+}
+
+std::optional<Recognised> read_matlab(const Source& source) {
+  static_cast<void>(matlab_vectors(source));
   return std::nullopt;
 }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace frac {
+
+/// Samples of one experiment at equal steps of time: an input, one or more outputs, and, where the input is itself the
+/// answer of a loop, the signal from outside that drives the loop.
+class Record {
+ public:
+  /// @param sample_time  s, > 0
+  /// @param reference    driving signal of a closed loop; empty: the input is free of what disturbs the outputs
+  /// @throws std::invalid_argument  sample time not positive and finite, no output, lengths that differ, fewer than 16
+  ///                                samples, a sample not finite, an input that does not change; the text names the
+  ///                                signal and the first index concerned.
+  Record(double sample_time, std::vector<double> input, std::vector<std::vector<double>> outputs,
+         std::vector<double> reference = {});
+
+  [[nodiscard]] std::size_t size() const noexcept { return input_.size(); }
+  [[nodiscard]] double sample_time() const noexcept { return sample_time_; }
+  [[nodiscard]] const std::vector<double>& input() const noexcept { return input_; }
+  [[nodiscard]] const std::vector<std::vector<double>>& outputs() const noexcept { return outputs_; }
+  [[nodiscard]] const std::vector<double>& reference() const noexcept { return reference_; }
+  /// What drives the experiment: the reference where there is one, else the input.
+  [[nodiscard]] const std::vector<double>& drive() const noexcept { return reference_.empty() ? input_ : reference_; }
+  /// Samples first to first + count - 1.
+  [[nodiscard]] Record part(std::size_t first, std::size_t count) const;
+
+ private:
+  double sample_time_;
+  std::vector<double> input_;
+  std::vector<std::vector<double>> outputs_;
+  std::vector<double> reference_;
+};
+
+/// The limits at which a sensor or an amplifier has cut off a signal: it stays at its largest or at its smallest value
+/// more often than a sinusoid does at the outermost step of a converter.  A signal of a few levels, such as a square
+/// wave, is not cut off.
+[[nodiscard]] bool is_clipped(const std::vector<double>& signal);
+
+}  // namespace frac

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "frac/records/response.hpp"
+#include "records/line_noise.hpp"
+
+namespace frac::detail {
+
+/// Points by output, and what is to be said of them.
+struct Estimated {
+  std::vector<std::vector<ResponsePoint>> outputs;
+  std::vector<std::string> remarks;
+  double periods = 0;
+  /// Nothing tells the distortion.
+  bool all_lines_excited = false;
+};
+
+/// The last whole periods of a record as lines of their Fourier sum, without ramp: input, outputs, reference.
+struct PeriodLines {
+  std::vector<Spectrum> spectra;
+  std::size_t periods = 0;
+  double spacing = 0;  // rad/s between lines of the spectra
+};
+/// @param length   of the period in samples
+/// @param highest   line of the period up to which lines are needed; 0: all
+/// @param multiple  of which the number of periods is to be one, where the record holds so many
+[[nodiscard]] PeriodLines period_lines(const Record& record, double length, std::size_t highest,
+                                       std::size_t multiple = 1);
+
+/// @param length  of the period in samples
+[[nodiscard]] Estimated periodic_response(const Record& record, double length);
+[[nodiscard]] Estimated stepped_sine_response(const Record& record, const std::vector<SineSegment>& segments,
+                                              int harmonics);
+[[nodiscard]] Estimated arbitrary_response(const Record& record);
+
+/// Sets value, amplitude and the deviations of an output from the lines of all channels, of which 0 is the input.
+void set_ratio(const LineEstimate& line, std::size_t output, ResponsePoint& point);
+/// Variance of Student's distribution over that of the normal one: from 2 degrees down there is none.
+[[nodiscard]] double student_variance(double degrees);
+
+}  // namespace frac::detail

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace frac::detail {
+
+using Spectrum = std::vector<std::complex<double>>;
+
+/// Lines of several channels at one frequency, without transient, and the covariance of their errors.
+struct LineEstimate {
+  Eigen::VectorXcd value;
+  Eigen::MatrixXcd covariance;  // E e_a conj(e_b)
+  Eigen::MatrixXcd relation;    // E e_a e_b: 0 for stationary noise
+  double degrees = 0;           // complex ones, of the covariance; 0: too few lines around
+  /// Lines as far below as above, so that the relation is known.
+  bool is_symmetric = false;
+
+  struct Parts {
+    double variance_re, variance_im, covariance;
+    double degrees;  // real ones, of each variance
+  };
+  /// Covariance of both parts of the error of a sum of weighted channels.
+  [[nodiscard]] Parts parts(const Eigen::VectorXcd& weights) const;
+};
+
+/// Reads lines of several spectra of equal length without what leaks into them.
+class LineReader {
+ public:
+  /// @param step        lines of the period are its multiples
+  /// @param neighbours  lines on each side that are used; where one side has fewer, more of the other
+  LineReader(const std::vector<Spectrum>& spectra, std::size_t step, std::size_t neighbours);
+
+  /// Removes from the line `bin` of each spectrum the polynomial of order 2 that follows the lines around it which are
+  /// no multiples of `step`, and estimates from what it leaves of them the covariance of the noise.
+  [[nodiscard]] LineEstimate operator()(std::size_t bin);
+
+ private:
+  /// Polynomial through the lines of a window whose noise falls with a power of frequency.
+  struct Fitted {
+    Eigen::VectorXcd transient;  // at the line
+    Eigen::MatrixXcd left;       // of the lines around, over the size of their noise relative to that at the line
+    double leverage = 0;         // variance of the transient over that of the noise at the line
+    double likelihood = 0;       // logarithm
+  };
+  [[nodiscard]] Fitted fit(const Eigen::MatrixXcd& around, double bin, double slope);
+  [[nodiscard]] double largest_offset() const;
+  void take_window(std::size_t bin);
+
+  const std::vector<Spectrum>& spectra_;
+  std::size_t step_, neighbours_;
+  std::vector<std::ptrdiff_t> offsets_, planned_;  // pairs -r, r where the window is symmetric
+  bool is_symmetric_ = true;
+  double planned_slope_ = 0;
+  Eigen::MatrixXd powers_, to_terms_;  // of planned_
+};
+
+/// Lines on each side for a record of so many periods: as many as there are to the next line of the period, where that
+/// leaves at least 9 degrees of freedom (an interval of Student's distribution is then a sixth wider than the normal
+/// one), and no more than 12, because response, noise and transient are to be smooth over them.
+[[nodiscard]] std::size_t neighbours_for(std::size_t periods);
+
+}  // namespace frac::detail

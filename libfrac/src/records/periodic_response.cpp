@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "records/estimators.hpp"
+#include "special/distributions.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// What a line that the excitation leaves out shows of one output, the answer to its own input taken away.
+struct Detection {
+  std::size_t line;  // of the period
+  double power;      // without that of the noise, mean of its square; may be negative
+};
+
+/// Lines of the period that the drive excites, and how many others it has above its noise.
+struct ExcitedLines {
+  std::vector<std::size_t> lines;
+  std::size_t others = 0;
+};
+
+/// Lines count that stand above the noise, with a chance of 1e-3 over all lines to be wrong, and are at least a
+/// hundredth of the largest.  Where a gap of more than a factor of 4 parts them (the widest one), those below it are
+/// distortion of the amplifier or the answer of a loop; lines of a square wave are a factor of 3 apart at most.
+ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index drive) {
+  constexpr double least_share = 0.01, chance = 1e-3, least_gap = 4;
+  double largest = 0;
+  for (const auto& line : lines) largest = std::max(largest, std::abs(line.value(drive)));
+  std::vector<std::pair<double, std::size_t>> strong;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double amplitude = std::abs(lines[i].value(drive));
+    if (!(amplitude >= least_share * largest) || amplitude == 0) continue;
+    const double noise = lines[i].degrees > 0 ? lines[i].covariance(drive, drive).real() : 0;
+    const double ratio = amplitude * amplitude / noise;
+    if (std::isfinite(ratio) &&
+        fisher_f_above(ratio, 2, 2 * lines[i].degrees) > chance / static_cast<double>(lines.size()))
+      continue;
+    strong.emplace_back(amplitude, i + 1);
+  }
+  std::sort(strong.rbegin(), strong.rend());
+  std::size_t count = strong.size();
+  double widest = least_gap;
+  for (std::size_t i = 1; i < strong.size(); ++i)
+    if (strong[i - 1].first > widest * strong[i].first) {
+      widest = strong[i - 1].first / strong[i].first;
+      count = i;
+    }
+  ExcitedLines excited;
+  excited.others = strong.size() - count;
+  for (std::size_t i = 0; i < count; ++i) excited.lines.push_back(strong[i].second);
+  std::sort(excited.lines.begin(), excited.lines.end());
+  return excited;
+}
+
+/// Mean power of the detection lines of a kind that are nearest to a line of the period; NaN of none.
+/// Six lines: twelve degrees of freedom.
+double level_near(const std::vector<Detection>& lines, std::size_t line) {
+  constexpr std::size_t most = 6;
+  if (lines.empty()) return std::numeric_limits<double>::quiet_NaN();
+  auto end = std::lower_bound(lines.begin(), lines.end(), line,
+                              [](const Detection& each, std::size_t at) { return each.line < at; });
+  auto begin = end;
+  const auto distance = [line](const Detection& each) {
+    return each.line > line ? each.line - line : line - each.line;
+  };
+  double sum = 0, count = 0;
+  while (count < static_cast<double>(std::min(most, lines.size()))) {
+    const bool below = end == lines.end() || (begin != lines.begin() && distance(*(begin - 1)) <= distance(*end));
+    sum += below ? (--begin)->power : (end++)->power;
+    ++count;
+  }
+  return std::max(0.0, sum / count);
+}
+
+/// The distortion joins the noise in the deviations of a point: two independent variances, whose sum has the degrees of
+/// freedom of Welch and Satterthwaite.
+void add_distortion(double power, double count_of_lines, double degrees_of_noise, ResponsePoint& point) {
+  const double added = power / 2 / (point.input_amplitude * point.input_amplitude);
+  point.distortion = std::sqrt(added);
+  if (added == 0 || std::isnan(point.sigma)) return;
+  const double degrees_of_added = 2 * count_of_lines;
+  const auto join = [&](double& sigma, double degrees) {
+    const double noise = sigma * sigma / student_variance(degrees), whole = noise + added;
+    const double joint = whole * whole / (noise * noise / degrees + added * added / degrees_of_added);
+    sigma = std::sqrt(whole * student_variance(joint));
+    return joint;
+  };
+  const double before = point.sigma_re * point.sigma_im / student_variance(point.degrees);
+  join(point.sigma, degrees_of_noise);
+  const double of_re = join(point.sigma_re, point.degrees), of_im = join(point.sigma_im, point.degrees);
+  const double after = point.sigma_re * point.sigma_im / std::sqrt(student_variance(of_re) * student_variance(of_im));
+  point.correlation *= before / after;
+  point.degrees = std::min(of_re, of_im);
+}
+
+}  // namespace
+
+Estimated periodic_response(const Record& record, double length) {
+  const PeriodLines found = period_lines(record, length, 0);
+  const std::size_t periods = found.periods, outputs = record.outputs().size();
+  LineReader reader(found.spectra, periods, neighbours_for(periods));
+  std::vector<LineEstimate> lines;
+  for (std::size_t bin = periods; bin < found.spectra.front().size(); bin += periods) lines.push_back(reader(bin));
+  const bool has_reference = !record.reference().empty();
+  const auto drive = static_cast<Eigen::Index>(has_reference ? outputs + 1 : 0);
+  const ExcitedLines all_excited = excited_lines(lines, drive);
+  const std::vector<std::size_t>& excited = all_excited.lines;
+  Estimated estimated;
+  estimated.periods = static_cast<double>(periods);
+  estimated.outputs.resize(outputs);
+  if (excited.empty()) return estimated;
+  if (all_excited.others > 0)
+    estimated.remarks.push_back(std::to_string(all_excited.others) +
+                                " lines of the input are above its noise and less than a quarter of the others: they "
+                                "are taken as distortion of the input and not as excitation");
+  const bool odd_alone = std::all_of(excited.begin(), excited.end(), [](std::size_t k) { return k % 2 == 1; });
+  estimated.all_lines_excited = excited.size() == excited.back() - excited.front() + 1;
+  for (std::size_t output = 0; output < outputs; ++output) {
+    auto& points = estimated.outputs[output];
+    for (const std::size_t k : excited) {
+      ResponsePoint& point = points.emplace_back();
+      const LineEstimate& line = lines[k - 1];
+      point.omega = static_cast<double>(k * periods) * found.spacing;
+      point.periods = static_cast<double>(k * periods);
+      set_ratio(line, output, point);
+      // Below 10 dB the mean of a ratio is no longer its value, and its error no longer normal (Pintelon, Schoukens
+      // 2012, chapter 2).
+      constexpr double least_ratio = 10;
+      if (point.flag.empty() && !(std::norm(line.value(0)) >= least_ratio * line.covariance(0, 0).real()))
+        point.flag = "the input is no stronger than its noise";
+    }
+    std::vector<Detection> even, other;
+    std::size_t above = 0;
+    for (std::size_t k = excited.front(); k < excited.back(); ++k) {
+      while (excited[above] <= k) ++above;
+      if (excited[above - 1] == k) continue;
+      const LineEstimate& line = lines[k - 1];
+      if (line.degrees == 0) continue;
+      const auto span = static_cast<double>(excited[above] - excited[above - 1]);
+      const double share = static_cast<double>(k - excited[above - 1]) / span;
+      const std::complex<double> value = (1 - share) * points[above - 1].value + share * points[above].value;
+      Eigen::VectorXcd weights = Eigen::VectorXcd::Zero(line.value.size());
+      weights(0) = -value;
+      weights(static_cast<Eigen::Index>(output) + 1) = 1;
+      const LineEstimate::Parts noise = line.parts(weights);
+      const double power =
+          std::norm((weights.transpose() * line.value).value()) - noise.variance_re - noise.variance_im;
+      (odd_alone && k % 2 == 0 ? even : other).push_back({k, power});
+    }
+    for (std::size_t i = 0; i < excited.size(); ++i) {
+      const double amplitude = points[i].input_amplitude;
+      points[i].even_distortion = std::sqrt(level_near(even, excited[i]) / 2) / amplitude;
+      if (!other.empty())
+        add_distortion(level_near(other, excited[i]), static_cast<double>(std::min<std::size_t>(6, other.size())),
+                       2 * lines[excited[i] - 1].degrees, points[i]);
+      if (points[i].flag.empty()) continue;
+      for (double* each : {&points[i].sigma, &points[i].sigma_re, &points[i].sigma_im, &points[i].noise})
+        *each = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  return estimated;
+}
+
+}  // namespace frac::detail

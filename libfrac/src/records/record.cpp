@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/records/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/number_text.hpp"
+
+namespace frac {
+namespace {
+
+void require_signal(const std::string& name, const std::vector<double>& signal, std::size_t size) {
+  if (signal.size() != size)
+    throw std::invalid_argument(name + " has " + std::to_string(signal.size()) + " samples and input " +
+                                std::to_string(size) + "; expected as many");
+  for (std::size_t i = 0; i < size; ++i)
+    if (!std::isfinite(signal[i]))
+      throw std::invalid_argument(name + "[" + std::to_string(i) + "] is " + detail::number_text(signal[i]) +
+                                  "; expected a finite number");
+}
+
+}  // namespace
+
+Record::Record(double sample_time, std::vector<double> input, std::vector<std::vector<double>> outputs,
+               std::vector<double> reference)
+    : sample_time_(sample_time),
+      input_(std::move(input)),
+      outputs_(std::move(outputs)),
+      reference_(std::move(reference)) {
+  if (!(sample_time > 0) || !std::isfinite(sample_time))
+    throw std::invalid_argument("sample_time is " + detail::number_text(sample_time) +
+                                "; expected a finite number > 0");
+  constexpr std::size_t fewest = 16;
+  if (input_.size() < fewest)
+    throw std::invalid_argument("input has " + std::to_string(input_.size()) + " samples; expected at least " +
+                                std::to_string(fewest));
+  if (outputs_.empty()) throw std::invalid_argument("outputs is empty; expected at least one signal");
+  require_signal("input", input_, input_.size());
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    require_signal("outputs[" + std::to_string(i) + "]", outputs_[i], input_.size());
+  if (!reference_.empty()) require_signal("reference", reference_, input_.size());
+  const auto [least, most] = std::minmax_element(drive().begin(), drive().end());
+  if (*least == *most)
+    throw std::invalid_argument((reference_.empty() ? "input is " : "reference is ") + detail::number_text(*least) +
+                                " throughout; expected a signal that changes");
+}
+
+Record Record::part(std::size_t first, std::size_t count) const {
+  const auto cut = [&](const std::vector<double>& signal) {
+    if (signal.empty()) return signal;
+    const auto begin = signal.begin() + static_cast<std::ptrdiff_t>(first);
+    return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
+  };
+  std::vector<std::vector<double>> outputs;
+  for (const auto& output : outputs_) outputs.push_back(cut(output));
+  return {sample_time_, cut(input_), std::move(outputs), cut(reference_)};
+}
+
+// The outermost step of a converter holds at most sqrt(2)/(2 - sqrt(2)) = 2.4 times the samples of a sinusoid that the
+// next one holds, arcs of cosine of height q and 2 q; of signals of several lines it holds fewer.
+bool is_clipped(const std::vector<double>& signal) {
+  constexpr std::size_t few_levels = 8;
+  constexpr double most_of_sinusoid = 2.42;
+  std::vector<double> sorted = signal;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::pair<double, double>> levels;  // value and count
+  for (const double value : sorted) {
+    if (levels.empty() || levels.back().first != value)
+      levels.emplace_back(value, 1);
+    else
+      ++levels.back().second;
+  }
+  if (levels.size() < few_levels) return false;
+  // Counts scatter by their root: four deviations of the difference.
+  const auto sticks = [](double outermost, double next) {
+    return outermost - most_of_sinusoid * next > 4 * std::sqrt(outermost + most_of_sinusoid * most_of_sinusoid * next);
+  };
+  return sticks(levels.back().second, levels[levels.size() - 2].second) || sticks(levels[0].second, levels[1].second);
+}
+
+}  // namespace frac

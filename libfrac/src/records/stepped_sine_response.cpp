@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+
+#include "records/estimators.hpp"
+#include "special/distributions.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// Whether an output has lines at halves or thirds of the frequency of the input, which the noise around them does not
+/// explain: then the motion repeats after so many periods. The chance of a false one is 1e-4 in each segment.
+int subharmonic_of(const PeriodLines& found, std::size_t output) {
+  constexpr double chance = 1e-4;
+  for (const std::size_t order : {2, 3}) {
+    // Two periods of the motion have a line between those of its own.
+    if (found.periods / order < 2) continue;
+    const std::size_t periods = found.periods;
+    // The motion's own lines are no noise.
+    if (periods % order != 0) continue;
+    const std::size_t step = periods / order;
+    LineReader reader(found.spectra, step, neighbours_for(step));
+    for (std::size_t multiple = 1; multiple < 2 * order; ++multiple) {
+      if (multiple % order == 0 || multiple * step >= found.spectra.front().size()) continue;
+      const LineEstimate line = reader(multiple * step);
+      if (line.degrees == 0) continue;
+      const auto at = static_cast<Eigen::Index>(output) + 1;
+      const double ratio = std::norm(line.value(at)) / line.covariance(at, at).real();
+      // What is left of exact records is rounding.
+      constexpr double rounding = 1e-9;
+      if (std::abs(line.value(at)) > rounding * std::abs(found.spectra[output + 1][periods]) &&
+          fisher_f_above(ratio, 2, 2 * line.degrees) < chance / 6)
+        return static_cast<int>(order);
+    }
+  }
+  return 1;
+}
+
+ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmonics) {
+  ResponsePoint point;
+  const std::size_t periods = found.periods;
+  point.omega = static_cast<double>(periods) * found.spacing;
+  point.periods = static_cast<double>(periods);
+  point.subharmonic = subharmonic_of(found, output);
+  const std::size_t step = periods / static_cast<std::size_t>(point.subharmonic);
+  LineReader reader(found.spectra, step, neighbours_for(step));
+  const LineEstimate fundamental = reader(periods);
+  set_ratio(fundamental, output, point);
+  const std::complex<double> input = fundamental.value(0);
+  const auto at = static_cast<Eigen::Index>(output) + 1;
+  for (int order = 2; order <= harmonics; ++order) {
+    const std::size_t bin = static_cast<std::size_t>(order) * periods;
+    if (bin >= found.spectra.front().size()) break;
+    const LineEstimate line = reader(bin);
+    ResponseHarmonic& harmonic = point.harmonics.emplace_back();
+    harmonic.order = order;
+    harmonic.value = line.value(at) * std::polar(1.0, -order * std::arg(input)) / std::abs(input);
+    if (line.degrees > 0)
+      harmonic.sigma =
+          std::sqrt(line.covariance(at, at).real() / 2 * student_variance(2 * line.degrees)) / std::abs(input);
+  }
+  return point;
+}
+
+}  // namespace
+
+Estimated stepped_sine_response(const Record& record, const std::vector<SineSegment>& segments, int harmonics) {
+  Estimated estimated;
+  estimated.outputs.resize(record.outputs().size());
+  for (const SineSegment& segment : segments) {
+    const Record part = record.part(segment.first, segment.count);
+    // Multiples of 2 and 3 have lines at half and at a third of the frequency.
+    const std::size_t multiple = static_cast<double>(segment.count) > 18 * segment.period ? 6 : 2;
+    const PeriodLines found = period_lines(part, segment.period, static_cast<std::size_t>(harmonics), multiple);
+    for (std::size_t output = 0; output < estimated.outputs.size(); ++output)
+      estimated.outputs[output].push_back(point_of(found, output, harmonics));
+    estimated.periods += static_cast<double>(found.periods);
+  }
+  return estimated;
+}
+
+}  // namespace frac::detail

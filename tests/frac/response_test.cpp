@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/records/response.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "records/chirp_transform.hpp"
+#include "support/simulated_records.hpp"
+
+namespace {
+
+using Complex = std::complex<double>;
+using frac::Excitation;
+using frac::Record;
+using frac::ResponseOptions;
+using std::numbers::pi;
+using support::Multisine;
+using support::RecordCase;
+using support::ResonantFilter;
+
+std::vector<std::size_t> lines_to(std::size_t last, std::size_t step = 1) {
+  std::vector<std::size_t> lines;
+  for (std::size_t k = 1; k <= last; k += step) lines.push_back(k);
+  return lines;
+}
+
+std::vector<double> sampled(std::size_t count, const std::function<double(double)>& signal) {
+  std::vector<double> samples(count);
+  for (std::size_t i = 0; i < count; ++i) samples[i] = signal(static_cast<double>(i));
+  return samples;
+}
+
+std::vector<double> through(const std::vector<double>& input, const std::function<double(double)>& characteristic) {
+  std::vector<double> output;
+  for (const double u : input) output.push_back(characteristic(u));
+  return output;
+}
+
+// Both sums have rounding errors of n samples in turn: 1e-16 sqrt(n) of the largest, some 1e-14; prime lengths and
+// lengths that are not whole go the same way.
+TEST(ChirpTransform, IsTheFourierSumAtEveryLength) {
+  std::mt19937_64 generator(1);
+  std::normal_distribution<double> normal;
+  for (const std::size_t samples : {16U, 101U, 500U})
+    for (const double length : {static_cast<double>(samples), 97.0, 250.37}) {
+      std::vector<double> signal(samples);
+      for (double& each : signal) each = normal(generator);
+      const auto found = frac::detail::ChirpTransform(samples, length, 60)(signal.data());
+      for (std::size_t k = 0; k < 60; ++k) {
+        Complex sum = 0;
+        for (std::size_t m = 0; m < samples; ++m)
+          sum += signal[m] * std::polar(2.0 / static_cast<double>(samples),
+                                        -2 * pi * std::fmod(static_cast<double>(k * m), length) / length);
+        EXPECT_LT(std::abs(found[k] - sum), 1e-13) << samples << " " << length << " " << k;
+      }
+    }
+}
+
+// Without noise the lines hold the response alone; rounding of 1280 samples, over the smallest line of the output.
+TEST(PeriodicResponse, IsExactWithoutNoise) {
+  std::mt19937_64 generator(2);
+  const ResonantFilter filter;
+  const auto sines = Multisine::random(128, lines_to(40), generator);
+  const auto record = Record(
+      0.01, sampled(1280, [&](double t) { return sines.value(t); }),
+      {sampled(1280, [&](double t) { return sines.value(t, [&](double turns) { return filter.response(turns); }); })});
+  const auto found = frac::response({record});
+  EXPECT_EQ(found.excitation, Excitation::periodic);
+  EXPECT_DOUBLE_EQ(found.period, 1.28);
+  EXPECT_EQ(found.periods, 10);
+  ASSERT_EQ(found.outputs[0].size(), 40U);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const auto& point = found.outputs[0][i];
+    EXPECT_NEAR(point.omega, 2 * pi * static_cast<double>(i + 1) / 1.28, 1e-9);
+    EXPECT_LT(std::abs(point.value - filter.response(static_cast<double>(i + 1) / 128)), 1e-12);
+    EXPECT_NEAR(point.input_amplitude, 1, 1e-12);
+  }
+}
+
+// The period is a fraction of a sample: what the last half sample leaves of 40 lines in each other is smooth and goes
+// with the transient, but for its fourth difference, (12/10/127)^3/2 of it, which is itself 1/(2 n) of a line.
+TEST(PeriodicResponse, FindsAPeriodThatIsNoWholeNumberOfSamples) {
+  std::mt19937_64 generator(3);
+  const ResonantFilter filter;
+  constexpr double period = 127.37;
+  std::vector<double> phases;
+  for (int k = 0; k < 40; ++k) phases.push_back(std::uniform_real_distribution<double>(0, 2 * pi)(generator));
+  const auto signal = [&](double time, bool filtered) {
+    double sum = 0;
+    for (std::size_t k = 1; k <= 40; ++k) {
+      const double turns = static_cast<double>(k) / period;
+      sum +=
+          ((filtered ? filter.response(turns) : 1.0) * std::polar(1.0, phases[k - 1] + 2 * pi * turns * time)).real();
+    }
+    return sum;
+  };
+  const Record record(1, sampled(1400, [&](double t) { return signal(t, false); }),
+                      {sampled(1400, [&](double t) { return signal(t, true); })});
+  const auto found = frac::response({record});
+  // 40 lines over 10 periods turn by 2 pi 400 times the relative error.
+  EXPECT_NEAR(found.period / period, 1, 1e-5);
+  ASSERT_EQ(found.outputs[0].size(), 40U);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const Complex exact = filter.response(static_cast<double>(i + 1) / period);
+    // An error of the period moves each line by its share; at the resonance the response turns 20 times as fast.
+    EXPECT_LT(std::abs(found.outputs[0][i].value - exact), 2e-3 * std::abs(exact)) << i;
+  }
+}
+
+// sigma^2 of each part is that of 2/n of white noise in a line, and of the polynomial through the 12 to 24 lines around
+// (1 + h), over the input; its mean over 40 lines of 20 records scatters by sqrt(1/(9 * 800)) at most, 1.2 %, and the
+// degrees of freedom of Student's distribution make it 18/16 or less as large.
+TEST(PeriodicResponse, DeviationIsThatOfTheNoise) {
+  double squares = 0, expected = 0, count = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 generator(seed);
+    const auto record = support::simulated_record(RecordCase::white, 20, generator);
+    ResponseOptions options;
+    options.period = 128;
+    // Twelve lines on each side; sums of r^2 and r^4 for r = 1 .. 12.
+    constexpr double n = 24, s2 = 2 * 650, s4 = 2 * 60710, h = s4 / (n * s4 - s2 * s2);
+    const auto found = frac::response({record}, options);
+    for (std::size_t i = 0; i < found.outputs[0].size(); ++i) {
+      const auto& point = found.outputs[0][i];
+      squares += point.sigma * point.sigma * (2 * 21 - 2) / (2 * 21);
+      // 0.5^2 (2/n)^2 n/2 for each part of a line of amplitude 1.
+      expected += 0.25 * 2 / (20 * 128) * (1 + h);
+      ++count;
+    }
+  }
+  EXPECT_NEAR(squares / expected, 1, 4 * std::sqrt(1 / (21 * count)) + 0.01);
+}
+
+// Half of 40 seeds' intervals are of one record each, and lines are independent but for the windows they share; a tenth
+// of them is taken as independent: four deviations of the rate.
+TEST(Response, IntervalsHoldWhatTheySay) {
+  for (const RecordCase which : support::record_cases) {
+    support::RecordCoverage coverage;
+    for (unsigned seed = 1; seed <= 25; ++seed) {
+      std::mt19937_64 generator(seed);
+      coverage.count(which, 10, generator);
+    }
+    const double independent = std::min(coverage.whole, 25 * 12);
+    EXPECT_NEAR(coverage.percent(), 95, 4 * 100 * std::sqrt(0.05 * 0.95 / independent)) << name_of(which);
+    EXPECT_GE(coverage.recognised, coverage.records - 1) << name_of(which);
+  }
+}
+
+// Expected power of u^3 on a line that the excitation leaves out: sines of equal amplitude and random phases; of each
+// set of three signed lines with that sum all orders add up, and different sets are independent.
+double power_of_cube(const std::vector<std::size_t>& lines, int at, double amplitude) {
+  std::vector<int> sides;
+  for (const auto line : lines) {
+    sides.push_back(static_cast<int>(line));
+    sides.push_back(-static_cast<int>(line));
+  }
+  std::map<std::vector<int>, double> orders;
+  for (const int a : sides)
+    for (const int b : sides) {
+      const int c = at - a - b;
+      if (std::find(sides.begin(), sides.end(), c) == sides.end()) continue;
+      std::vector<int> set{a, b, c};
+      std::sort(set.begin(), set.end());
+      ++orders[set];
+    }
+  double power = 0;
+  for (const auto& [set, count] : orders) power += std::pow(count * amplitude * amplitude * amplitude / 4, 2);
+  return power;
+}
+
+// Odd lines, every fourth of which is left out at a random place.
+std::vector<std::size_t> odd_lines_with_holes(std::mt19937_64& generator) {
+  std::vector<std::size_t> lines;
+  for (std::size_t group = 0; group < 12; ++group) {
+    const auto hole = std::uniform_int_distribution<std::size_t>(0, 3)(generator);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (i != hole || group == 0) lines.push_back(8 * group + 2 * i + 1);
+  }
+  return lines;
+}
+
+// The mean over 60 records and 30 points, of which those of a record share their six lines: 60 * 12/6 independent means
+// of 12 degrees of freedom scatter by sqrt(2/12/120), 4 %; 20 % is what is promised.
+TEST(PeriodicResponse, TellsDistortionOfAStaticCubic) {
+  double found_power = 0, expected_power = 0, largest_even = 0;
+  constexpr double share = 0.05, amplitude = 0.3;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    std::mt19937_64 generator(seed);
+    const auto lines = odd_lines_with_holes(generator);
+    const auto sines = Multisine::random(512, lines, generator);
+    std::normal_distribution<double> normal;
+    const auto input = sampled(512 * 4, [&](double t) { return amplitude * sines.value(t); });
+    auto output = through(input, [](double u) { return u + share * u * u * u; });
+    for (double& each : output) each += 1e-4 * normal(generator);
+    const auto found = frac::response({Record(1, input, {output})});
+    ASSERT_EQ(found.outputs[0].size(), lines.size());
+    std::vector<std::size_t> holes;
+    for (std::size_t k = lines.front(); k < lines.back(); k += 2)
+      if (std::find(lines.begin(), lines.end(), k) == lines.end()) holes.push_back(k);
+    std::map<std::size_t, double> power;
+    for (const auto hole : holes)
+      power[hole] = std::pow(share, 2) * power_of_cube(lines, static_cast<int>(hole), amplitude);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const auto& point = found.outputs[0][i];
+      found_power += std::pow(point.distortion * point.input_amplitude, 2);
+      largest_even = std::max(largest_even, point.even_distortion / point.noise);
+      auto near = holes;
+      std::stable_sort(near.begin(), near.end(), [&](std::size_t a, std::size_t b) {
+        const auto distance = [&](std::size_t k) { return k > lines[i] ? k - lines[i] : lines[i] - k; };
+        return distance(a) < distance(b);
+      });
+      for (std::size_t k = 0; k < 6; ++k) expected_power += power[near[k]] / 2 / 6;
+    }
+  }
+  EXPECT_NEAR(found_power / expected_power, 1, 0.2);
+  // No even distortion: its level is the scatter of noise, six lines of 2 degrees each.
+  EXPECT_LT(largest_even, 3);
+}
+
+// u^2 of sines on odd lines lies on even ones alone, on which the response has no line.
+TEST(PeriodicResponse, EvenDistortionIsNoPartOfSigma) {
+  std::mt19937_64 generator(4);
+  const auto sines = Multisine::random(512, lines_to(99, 2), generator);
+  const auto input = sampled(512 * 4, [&](double t) { return 0.3 * sines.value(t); });
+  const auto found = frac::response({Record(1, input, {through(input, [](double u) { return u + 0.1 * u * u; })})});
+  ASSERT_EQ(found.outputs[0].size(), 50U);
+  for (const auto& point : found.outputs[0]) {
+    EXPECT_LT(std::abs(point.value - 1.0), 1e-12);
+    EXPECT_GT(point.even_distortion, 1e-3);
+    EXPECT_TRUE(std::isnan(point.distortion));
+    EXPECT_LT(point.sigma, 1e-12);
+  }
+}
+
+// The best linear approximation of u + c u^3 for K sines of amplitude A and random phases is
+// 1 + c A^2 (3/4 + 3/2 (K - 1)): the terms whose phase is that of the line.  Intervals of the scatter over 6
+// realisations hold it; neighbours share their scatter, so that a third of them counts as independent.
+TEST(Response, RealisationsTellTheBestLinearApproximation) {
+  int held = 0, whole = 0;
+  constexpr double share = 0.05, amplitude = 0.3;
+  constexpr std::size_t lines = 40;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 generator(seed);
+    std::vector<Record> records;
+    for (int realisation = 0; realisation < 6; ++realisation) {
+      const auto sines = Multisine::random(256, lines_to(lines), generator);
+      const auto input = sampled(512, [&](double t) { return amplitude * sines.value(t); });
+      records.push_back(Record(1, input, {through(input, [](double u) { return u + share * u * u * u; })}));
+    }
+    const auto found = frac::response(records);
+    ASSERT_EQ(found.realisations, 6U);
+    const double exact = 1 + share * amplitude * amplitude * (0.75 + 1.5 * (lines - 1));
+    for (const auto& point : found.outputs[0]) {
+      held += std::abs(point.value.real() - exact) <= point.half_width_re();
+      held += std::abs(point.value.imag()) <= point.half_width_im();
+      whole += 2;
+    }
+  }
+  EXPECT_NEAR(100.0 * held / whole, 95, 4 * 100 * std::sqrt(0.05 * 0.95 / (whole / 3.0)));
+}
+
+// Under F cos(w t + p) u + c u^3 answers with (1 + 3/4 c F^2) F cos and c F^3/4 cos 3(w t + p).
+TEST(SteppedSineResponse, HarmonicsOfACubicAreExact) {
+  std::vector<double> input;
+  for (const double force : {1.0, 2.0})
+    for (const std::size_t cycle : {40U, 32U, 25U})
+      for (std::size_t i = 0; i < 12 * cycle; ++i)
+        input.push_back(force * std::sin(2 * pi * static_cast<double>(i) / static_cast<double>(cycle)));
+  ResponseOptions options;
+  options.harmonics = 4;
+  const auto found =
+      frac::response({Record(1e-3, input, {through(input, [](double u) { return u + 0.1 * u * u * u; })})}, options);
+  EXPECT_EQ(found.excitation, Excitation::stepped_sine);
+  ASSERT_EQ(found.outputs[0].size(), 6U);
+  const double cycles[] = {40, 32, 25};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto& point = found.outputs[0][i];
+    const double force = i < 3 ? 1 : 2;
+    // The period is found to rounding of its phase; the sums err by 300 roundings.
+    EXPECT_NEAR(point.omega * 1e-3 * cycles[i % 3] / (2 * pi), 1, 1e-9);
+    EXPECT_NEAR(point.input_amplitude, force, 1e-9);
+    EXPECT_LT(std::abs(point.value - (1 + 0.075 * force * force)), 1e-9);
+    ASSERT_EQ(point.harmonics.size(), 3U);
+    EXPECT_LT(std::abs(point.harmonics[0].value), 1e-9);
+    EXPECT_LT(std::abs(point.harmonics[1].value - 0.025 * force * force), 1e-9);
+    EXPECT_LT(std::abs(point.harmonics[2].value), 1e-9);
+    EXPECT_EQ(point.subharmonic, 1);
+  }
+}
+
+TEST(SteppedSineResponse, SaysSubharmonics) {
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> input, output;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    const double phase = 2 * pi * static_cast<double>(i) / 40;
+    input.push_back(std::cos(phase));
+    output.push_back(0.5 * std::cos(phase - 1) + 0.1 * std::cos(phase / 2) + 0.01 * normal(generator));
+  }
+  const auto found = frac::response({Record(1, input, {output})});
+  ASSERT_EQ(found.outputs[0].size(), 1U);
+  const auto& point = found.outputs[0][0];
+  EXPECT_EQ(point.subharmonic, 2);
+  EXPECT_LT(std::abs(point.value - std::polar(0.5, -1.0)), 5 * point.sigma);
+  EXPECT_LT(point.sigma, 0.002);
+}
+
+// Records that begin at rest and end before the transient is over: 1024 samples, resonances of damping 2 to 5 % between
+// 0.02 and 0.2 of the sampling rate.
+TEST(ArbitraryResponse, ErrsAtMostATenthOfWindowedH1) {
+  std::vector<double> ratios;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 generator(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> unit(0, 1);
+    ResonantFilter filter(0.02 + 0.03 * unit(generator), 0.02 * std::pow(10, unit(generator)));
+    std::vector<double> input, output;
+    for (int i = 0; i < 1024; ++i) {
+      input.push_back(normal(generator));
+      output.push_back(filter.step(input.back()));
+    }
+    const auto found = frac::response({Record(1, input, {output})});
+    EXPECT_EQ(found.excitation, Excitation::arbitrary);
+    double local = 0, windowed = 0;
+    for (const auto& point : found.outputs[0]) {
+      const Complex exact = filter.response(point.omega / (2 * pi));
+      local += std::norm(point.value - exact);
+      windowed += std::norm(point.windowed - exact);
+    }
+    ratios.push_back(std::sqrt(local / windowed));
+  }
+  std::sort(ratios.begin(), ratios.end());
+  EXPECT_LT(ratios[ratios.size() / 2], 0.1);
+  EXPECT_LT(ratios.back(), 0.3);
+}
+
+TEST(Excitation, IsRecognised) {
+  std::mt19937_64 generator(6);
+  std::normal_distribution<double> normal;
+  const auto kind = [](std::vector<double> input) {
+    const std::vector<double> output = input;
+    return frac::excitation_of(Record(1, std::move(input), {output}));
+  };
+  EXPECT_EQ(kind(sampled(2000, [&](double) { return normal(generator); })), Excitation::arbitrary);
+  // A sweep from 0.002 to 0.1 of the sampling rate, a step, a square wave, one sine.
+  EXPECT_EQ(kind(sampled(4000, [](double t) { return std::sin(2 * pi * t * (0.002 + 0.049 * t / 4000)); })),
+            Excitation::arbitrary);
+  EXPECT_EQ(kind(sampled(2000, [](double t) { return t < 500 ? 0.0 : 1.0; })), Excitation::arbitrary);
+  EXPECT_EQ(kind(sampled(2000, [](double t) { return std::fmod(t, 100) < 50 ? 0.0 : 1.0; })), Excitation::periodic);
+  EXPECT_EQ(kind(sampled(2000, [](double t) { return 3 + std::sin(0.1 * t); })), Excitation::stepped_sine);
+}
+
+TEST(Clipping, IsSaidOfSignalsThatStayAtALimit) {
+  const auto sine = sampled(5000, [](double t) { return std::sin(0.0377 * t); });
+  const auto at_most = [&](double limit, double step) {
+    return through(sine, [=](double u) { return step * std::round(std::clamp(u, -limit, limit) / step); });
+  };
+  EXPECT_FALSE(frac::is_clipped(sine));
+  for (const double bits : {6, 8, 10, 12}) EXPECT_FALSE(frac::is_clipped(at_most(1, std::pow(2, -bits)))) << bits;
+  EXPECT_TRUE(frac::is_clipped(at_most(0.95, 1.0 / 128)));
+  EXPECT_TRUE(frac::is_clipped(at_most(0.99, 1e-9)));
+  EXPECT_FALSE(frac::is_clipped(through(sine, [](double u) { return u > 0 ? 1.0 : -1.0; })));
+}
+
+TEST(Record, RefusesWhatIsNoRecord) {
+  const std::vector<double> good = sampled(20, [](double t) { return std::sin(t); });
+  auto bad = good;
+  bad[7] = NAN;
+  EXPECT_THROW(Record(0, good, {good}), std::invalid_argument);
+  EXPECT_THROW(Record(1, good, {}), std::invalid_argument);
+  EXPECT_THROW(Record(1, good, {bad}), std::invalid_argument);
+  EXPECT_THROW(Record(1, std::vector<double>(20, 3.0), {good}), std::invalid_argument);
+  EXPECT_THROW(Record(1, good, {std::vector<double>(19)}), std::invalid_argument);
+  EXPECT_THROW(Record(1, {1, 2, 3}, {{1, 2, 3}}), std::invalid_argument);
+  ResponseOptions options;
+  options.period = 12;
+  EXPECT_THROW(static_cast<void>(frac::response({Record(1, good, {good})}, options)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(frac::response({})), std::invalid_argument);
+}
+
+}  // namespace

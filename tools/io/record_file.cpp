@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/record_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include "io/decoded_text.hpp"
+#include "io/fields.hpp"
+#include "io/formats/format.hpp"
+#include "io/input_text.hpp"
+#include "io/number.hpp"
+#include "io/unit_name.hpp"
+
+namespace io {
+namespace {
+
+/// Named signals, wherever they come from.
+struct Signals {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;
+  Metadata metadata;
+};
+
+struct Column {
+  std::string base, unit;  // lower case, as written
+};
+
+// "force_n", "force [N]", "y2 (m)".
+Column column_of(std::string_view name) {
+  const auto bracket = name.find_first_of("[(");
+  Column column;
+  if (bracket != std::string_view::npos) {
+    column.base = trimmed(name.substr(0, bracket));
+    const auto end = name.find_first_of("])", bracket);
+    column.unit = trimmed(name.substr(bracket + 1, std::min(end, name.size()) - bracket - 1));
+  } else {
+    column.base = unit_apart(name).name;
+    if (column.base.size() < name.size()) column.unit = name.substr(column.base.size() + 1);
+    for (const std::string_view unit : {"_ms", "_us", "_min", "_h", "_a", "_v", "_rad"})
+      if (column.unit.empty() && name.size() > unit.size() && name.ends_with(unit)) {
+        column.base = name.substr(0, name.size() - unit.size());
+        column.unit = unit.substr(1);
+      }
+  }
+  std::transform(column.base.begin(), column.base.end(), column.base.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return column;
+}
+
+bool is_one_of(std::string_view base, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), base) != words.end();
+}
+
+// "y", "y2", "output_1".
+bool names_output(std::string base) {
+  while (!base.empty() && (std::isdigit(static_cast<unsigned char>(base.back())) != 0 || base.back() == '_'))
+    base.pop_back();
+  return is_one_of(base, {"output", "y", "position"});
+}
+
+std::string key_of(std::string_view name) {
+  const std::string base = column_of(name).base;
+  if (is_one_of(base, {"time", "t"})) return "time";
+  if (is_one_of(base, {"input", "u", "force"})) return "input";
+  if (is_one_of(base, {"reference", "ref"})) return "reference";
+  return names_output(base) ? "output" : "";
+}
+
+double seconds_per(const std::string& file, const std::string& name, const std::string& unit,
+                   std::vector<std::string>& notes) {
+  if (unit.empty()) {
+    notes.push_back("column " + quoted(name) + " has no unit and is taken as s");
+    return 1;
+  }
+  constexpr std::array<std::pair<std::string_view, double>, 6> units{
+      {{"s", 1}, {"sec", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}};
+  for (const auto& [spelled, seconds] : units)
+    if (unit == spelled) return seconds;
+  throw DataError(file, 0, 0,
+                  "column " + quoted(name) + ": found the unit " + quoted(unit) + "; expected s, ms, us, min or h");
+}
+
+Signals signals_of_table(const std::string& file, const std::shared_ptr<const std::string>& text,
+                         const std::vector<std::pair<std::string, std::string>>& told,
+                         std::vector<std::string>& notes) {
+  const TextTable table(file, text);
+  Signals signals;
+  signals.metadata = table.metadata();
+  std::vector<bool> is_wanted;
+  std::optional<std::size_t> event;
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    const std::string name(table.header()[i].text);
+    signals.names.push_back(name);
+    if (name == "event") event = i;
+    is_wanted.push_back(!key_of(name).empty() || std::any_of(told.begin(), told.end(), [&](const auto& each) {
+      return each.second == name || each.second == std::to_string(i + 1);
+    }));
+  }
+  signals.values.resize(signals.names.size());
+  std::size_t left_out = 0;
+  table.for_each_row([&](const TextTable::Row& row) {
+    if (event && row.fields[*event] != "sample") {
+      ++left_out;
+      return;
+    }
+    for (std::size_t i = 0; i < row.fields.size(); ++i) {
+      if (!is_wanted[i]) continue;
+      const auto value = parse_number(row.fields[i]);
+      if (!value || !std::isfinite(*value))
+        throw DataError(
+            file, row.line, row.column_of(i),
+            "found " + quoted(row.fields[i]) + " in column " + quoted(signals.names[i]) + "; expected a finite number");
+      signals.values[i].push_back(*value);
+    }
+  });
+  if (left_out > 0) notes.push_back(std::to_string(left_out) + " rows of other events than sample are left out");
+  return signals;
+}
+
+Signals signals_in(const std::string& file, const std::vector<std::pair<std::string, std::string>>& told,
+                   std::vector<std::string>& notes) {
+  const auto bytes = input_text(file);
+  const DecodedText text = decoded(bytes);
+  if (const auto vectors = matlab_vectors({file, *bytes, text.text})) {
+    Signals signals;
+    for (const auto& vector : *vectors) {
+      if (vector.is_complex) continue;
+      signals.names.push_back(vector.name);
+      auto& values = signals.values.emplace_back();
+      for (const auto& value : vector.values) values.push_back(value.real());
+    }
+    return signals;
+  }
+  return signals_of_table(file, text.text, told, notes);
+}
+
+/// Step of times that rise by equal steps.
+double step_of(const std::string& file, const std::vector<double>& time, double seconds,
+               std::vector<std::string>& notes) {
+  if (time.size() < 2)
+    throw DataError(file, 0, 0, "found " + std::to_string(time.size()) + " samples; expected at least 16");
+  const auto steps = static_cast<double>(time.size() - 1);
+  const double step = (time.back() - time.front()) / steps;
+  double squares = 0, longest = 0;
+  std::size_t at = 1;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (!(time[i] > time[i - 1]))
+      throw DataError(file, 0, 0,
+                      "sample " + std::to_string(i + 1) + " has the time " + format_number(time[i]) + " after " +
+                          format_number(time[i - 1]) + "; expected times that rise");
+    if (time[i] - time[i - 1] > longest) {
+      longest = time[i] - time[i - 1];
+      at = i;
+    }
+    const double late = (time[i] - time.front()) / step - static_cast<double>(i);
+    squares += late * late;
+    if (std::abs(late) > 0.5)
+      throw DataError(file, 0, 0,
+                      "sample " + std::to_string(i + 1) + " is " + format_number(std::round(1000 * late) / 1000) +
+                          " steps off equal steps of " + format_number(step * seconds) + " s; the longest step is " +
+                          format_number((time[at] - time[at - 1]) / step) + " of them, before sample " +
+                          std::to_string(at + 1) + "; expected equal steps without gaps, or --sample-time");
+  }
+  const double jitter = std::sqrt(squares / steps);
+  constexpr double rounding = 1e-3;
+  if (jitter > rounding)
+    notes.push_back("the clock jitters by " + format_number(std::round(1e4 * jitter) / 1e4) +
+                    " of a step (rms); samples are taken at equal steps");
+  return step * seconds;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> record_columns_told(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const auto end = std::min(text.find(',', begin), text.size());
+    const std::string part(trimmed(std::string_view(text).substr(begin, end - begin)));
+    const auto sign = part.find('=');
+    const std::string key = part.substr(0, sign), column = sign == std::string::npos ? "" : part.substr(sign + 1);
+    if (!is_one_of(key, {"time", "input", "output", "reference"}) || column.empty() || column == "0")
+      throw std::invalid_argument("--columns " + quoted(part) +
+                                  ": expected KEY=COLUMN, a column by its number from 1 or its name; keys are time, "
+                                  "input, output and reference");
+    for (const auto& [other, of_other] : pairs)
+      if ((other == key && key != "output") || of_other == column)
+        throw std::invalid_argument("--columns " + quoted(part) + ": " + (other == key ? key : column) +
+                                    " is given twice");
+    pairs.emplace_back(key, column);
+    begin = end + 1;
+  }
+  return pairs;
+}
+
+RecordFile read_record(const std::string& file, const RecordReadOptions& options) {
+  const std::string shown = file == "-" ? "standard input" : file;
+  const auto told = record_columns_told(options.columns);
+  std::vector<std::string> notes;
+  Signals signals = signals_in(file, told, notes);
+  std::size_t longest = 0;
+  for (const auto& values : signals.values) longest = std::max(longest, values.size());
+  const auto is_told = [&](std::string_view key) {
+    return std::any_of(told.begin(), told.end(), [&](const auto& each) { return each.first == key; });
+  };
+  const auto columns_for = [&](const std::string& key) {
+    std::vector<std::size_t> found;
+    for (const auto& [told_key, column] : told) {
+      if (told_key != key) continue;
+      const auto number = parse_count(column);
+      const auto by_name = std::find(signals.names.begin(), signals.names.end(), column);
+      const auto place = by_name != signals.names.end() ? static_cast<std::size_t>(by_name - signals.names.begin())
+                         : number                       ? static_cast<std::size_t>(*number) - 1
+                                                        : signals.names.size();
+      if (place >= signals.names.size())
+        throw DataError(shown, 0, 0,
+                        "has no column " + quoted(column) + " as --columns says; it has " +
+                            std::to_string(signals.names.size()) + ": " + shortened_list(signals.names));
+      found.push_back(place);
+    }
+    // A MAT-file may hold one period of the reference, or settings, beside the samples.
+    if (!is_told(key))
+      for (std::size_t i = 0; i < signals.names.size(); ++i)
+        if (key_of(signals.names[i]) == key && signals.values[i].size() == longest &&
+            std::none_of(told.begin(), told.end(), [&](const auto& each) { return each.second == signals.names[i]; }))
+          found.push_back(i);
+    if (key != "output" && found.size() > 1)
+      throw DataError(shown, 0, 0,
+                      "columns " + quoted(signals.names[found[0]]) + " and " + quoted(signals.names[found[1]]) +
+                          " both name the " + key + "; expected one of them, or --columns");
+    return found;
+  };
+  const auto missing = [&](const std::string& what, const std::string& names) -> DataError {
+    return {shown, 0, 0,
+            "no " + what + " among " + shortened_list(signals.names) + "; expected " + names +
+                ", or --columns such as time=1,input=2,output=3"};
+  };
+  double sample_time = options.sample_time.value_or(0);
+  const auto time = columns_for("time");
+  if (!options.sample_time) {
+    if (time.empty()) throw missing("time column", "time_s or t, --sample-time");
+    const std::string& name = signals.names[time[0]];
+    const double seconds = seconds_per(shown, name, column_of(name).unit, notes);
+    sample_time = step_of(shown, signals.values[time[0]], seconds, notes);
+  }
+  const auto outputs = columns_for("output");
+  if (outputs.empty()) throw missing("output", "output or y");
+  auto inputs = columns_for("input");
+  std::string input_name, input_unit;
+  std::vector<double> input;
+  if (!inputs.empty()) {
+    input_name = signals.names[inputs[0]];
+    input_unit = column_of(input_name).unit;
+    input = std::move(signals.values[inputs[0]]);
+  } else {
+    const auto number_of = [&](std::string_view key) {
+      const auto text = find_value(signals.metadata, key);
+      return text ? parse_number(*text) : std::nullopt;
+    };
+    const auto force = number_of("force_n"), omega = number_of("omega_rad_s");
+    if (!force || !omega || time.empty()) throw missing("input", "input, u or force");
+    input_name = "F cos(w t)";
+    input_unit = "n";
+    for (const double at : signals.values[time[0]]) input.push_back(*force * std::cos(*omega * at));
+    notes.push_back("the input is F cos(w t) with force_n and omega_rad_s of the head");
+  }
+  std::vector<std::vector<double>> values;
+  std::vector<std::string> names, units;
+  for (const auto each : outputs) {
+    names.push_back(signals.names[each]);
+    const std::string unit = column_of(names.back()).unit;
+    units.push_back(unit.empty() || input_unit.empty() ? "" : unit + "_per_" + input_unit);
+    values.push_back(std::move(signals.values[each]));
+  }
+  const auto references = columns_for("reference");
+  try {
+    return {frac::Record(sample_time, std::move(input), std::move(values),
+                         references.empty() ? std::vector<double>{} : std::move(signals.values[references[0]])),
+            input_name,
+            std::move(names),
+            std::move(input_unit),
+            std::move(units),
+            std::move(signals.metadata),
+            std::move(notes)};
+  } catch (const std::invalid_argument& error) {
+    throw DataError(shown, 0, 0, error.what());
+  }
+}
+
+}  // namespace io
