@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How often the band and the intervals of relaxation_times() of data hold the density that made the data, which the
-// formula gives exactly.  Prints a table for tools/docs/times_coverage.md.  Arguments: [seeds] [first seed]
+// formula gives exactly, and how well they tell the constant.  Prints tables for tools/docs/times_coverage.md.
+// Arguments: [seeds] [first seed] | constant [spectra] [first seed]
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -85,9 +90,67 @@ void count(const support::ValidityModel& model, const support::Sweep& sweep, con
   }
 }
 
+/// A resistance and one to three arcs anywhere in a band of 1e-2 to 1e5 Hz, ten points per decade, and an inductance
+/// that is seen above the resistance in half of them.
+frac::FrequencyResponseData spectrum(std::uint64_t seed, double& constant) {
+  Random random(seed);
+  constant = random.log_uniform(0.5, 20);
+  const double inductance = random.below(2) == 0 ? 0 : constant * random.log_uniform(1e-7, 1e-6);
+  struct Arc {
+    double resistance, time, order;
+  };
+  std::vector<Arc> arcs(1 + random.below(3));
+  for (Arc& arc : arcs) arc = {random.log_uniform(3, 100), random.log_uniform(3e-6, 10), random.uniform(0.6, 1)};
+  const double noise = random.log_uniform(2e-3, 2e-2);
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i <= 70; ++i) {
+    const std::complex<double> s(0, 2 * std::numbers::pi * std::pow(10, -2 + i / 10.0));
+    std::complex<double> z = constant + inductance * s;
+    for (const Arc& arc : arcs) z += arc.resistance / (1.0 + std::pow(arc.time * s, arc.order));
+    const double real = random.normal(), imaginary = random.normal();
+    omega.push_back(s.imag());
+    value.push_back(z * (1.0 + noise * std::complex<double>(real, imaginary)));
+  }
+  return {omega, value};
+}
+
+void count_constants(int spectra, int first) {
+  int near = 0, below_half = 0, held = 0, excludes_zero = 0, peaks_beyond = 0;
+  std::vector<double> errors;
+  for (int seed = first; seed < first + spectra; ++seed) {
+    double truth = 0;
+    const auto data = spectrum(static_cast<std::uint64_t>(seed), truth);
+    const auto found = frac::relaxation_times(data, TimesKernel::falling);
+    errors.push_back(std::abs(found.constant / truth - 1));
+    near += errors.back() <= 0.05;
+    below_half += found.constant < 0.5 * truth;
+    held += found.constant_lower <= truth && truth <= found.constant_upper;
+    excludes_zero += found.constant_lower > 0;
+    // A maximum beyond the band.
+    bool beyond = false;
+    for (std::size_t i = 1; i + 1 < found.tau.size(); ++i) {
+      const bool outside = found.tau[i] * data.omega().back() < 0.99 || found.tau[i] * data.omega().front() > 1.01;
+      beyond =
+          beyond || (outside && found.density[i] > found.density[i - 1] && found.density[i] > found.density[i + 1]);
+    }
+    peaks_beyond += beyond;
+  }
+  std::sort(errors.begin(), errors.end());
+  std::printf(
+      "| spectra | within 5 %% | below half | median error | interval holds | lower end above 0 | maximum beyond the "
+      "band "
+      "|\n|---|---|---|---|---|---|---|\n| %d | %d | %d | %.1f %% | %d | %d | %d |\n",
+      spectra, near, below_half, 100 * errors[errors.size() / 2], held, excludes_zero, peaks_beyond);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "constant") {
+    count_constants(argc > 2 ? std::atoi(argv[2]) : 40, argc > 3 ? std::atoi(argv[3]) : 1);
+    return 0;
+  }
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 20, first = argc > 2 ? std::atoi(argv[2]) : 1;
   const std::vector<std::pair<NoiseKind, const char*>> kinds{{NoiseKind::relative, "relative"},
                                                              {NoiseKind::additive, "additive"}};

@@ -190,7 +190,8 @@ TEST(ModelSpelling, SaysNothingOfLimitsThatWereGiven) {
 
 // Nobody means the formula of one parameter Lag, or the difference of Two and Rc.
 TEST(ModelSpelling, RefusesAPresetInOtherLetters) {
-  for (const char* text : {"Lag", "LAG", "Gain", "power_law", "Two-RC", "Rational", "Cole-Cole"}) {
+  for (const char* text : {"Lag", "LAG", "Gain", "power_law", "Two-RC", "Rational", "Cole-Cole", "two zarc", "Two Zarc",
+                           "fractional  lag", "tworc"}) {
     try {
       (void)frac::find_model(text);
       FAIL() << text;
@@ -199,6 +200,20 @@ TEST(ModelSpelling, RefusesAPresetInOtherLetters) {
     }
   }
   EXPECT_EQ(frac::find_model("Km").name, "gain");
+}
+
+// Two factors of one constant have no values of their own.
+TEST(ModelSpelling, RefusesProductsWithoutS) {
+  const auto data = sampled("2");
+  for (const char* text : {"to zarc", "warburg/short", "cole*kole"}) {
+    try {
+      (void)frac::fit(data, Structure(text), {});
+      FAIL() << text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("no s in it"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_NEAR(frac::fit(data, Structure("K"), {}).parameters[0].value, 2, 1e-9);
 }
 
 }  // namespace

@@ -81,6 +81,37 @@ TEST(DrtCommand, DataAndAFitShowTheSameArc) {
   EXPECT_EQ(run_fracfit({"drt", data, "--format", "table"}).code, 0);
 }
 
+TEST(DrtCommand, SeveralFilesStandByTheirNames) {
+  const TemporaryFolder folder;
+  const auto one = folder.write("one.csv", spectrum()), two = folder.write("two.csv", spectrum()),
+             broken = folder.write("broken.csv", "omega_rad_s,re_ohm,im_ohm\n1,2,oops\n"),
+             modulus =
+                 folder.write("modulus.csv", "omega_rad_s,re_Pa,im_Pa\n1,2,3\n2,3,4\n3,4,5\n4,4,5\n5,5,5\n6,5,5\n");
+  const auto result = run_fracfit({"drt", one, broken, two, "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.error.find("broken.csv:2:"), std::string::npos) << result.error;
+  const auto rows = json::parse(result.output).at("rows");
+  const auto alone = json::parse(run_fracfit({"drt", one, "--format", "json"}).output);
+  for (const char* kind : {"constant", "inductance", "elastance", "peak", "density"}) {
+    auto expected = only(alone.at("rows"), "data", kind);
+    for (const auto& source : {one, two}) {
+      auto found = only(rows, source, kind);
+      ASSERT_EQ(found.size(), expected.size()) << kind;
+      ASSERT_FALSE(found.empty()) << kind;
+      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].at("value"), expected[i].at("value")) << kind;
+    }
+  }
+  // The resistance before the arc, in its interval.
+  const auto constant = only(alone.at("rows"), "data", "constant")[0];
+  EXPECT_LE(constant.at("lower").get<double>(), 10);
+  EXPECT_GE(constant.at("upper").get<double>(), 10);
+  EXPECT_GT(constant.at("lower").get<double>(), 9);
+  EXPECT_EQ(alone.at("constant_lower"), constant.at("lower"));
+  EXPECT_EQ(run_fracfit({"drt", broken, folder.path("none.csv")}).code, 3);
+  EXPECT_NE(run_fracfit({"drt", one, modulus}).error.find("expected one unit"), std::string::npos);
+  EXPECT_EQ(run_fracfit({"drt", one, two, "--fit", "f.json", "--tau", "1,2,3"}).code, 2);
+}
+
 template <class Response>
 std::string table_of(const Response& response) {
   std::string text = "omega_rad_s,re,im\n";
@@ -130,7 +161,9 @@ TEST(DrtCommand, TheTableBeginsWithThePeaks) {
   ASSERT_GT(kinds.size(), 100U);
   EXPECT_EQ(kinds[0], "peak");
   EXPECT_EQ(kinds[1], "peak") << "that of the fit";
-  EXPECT_EQ(std::count(kinds.begin() + 2, kinds.end(), "density"), static_cast<std::ptrdiff_t>(kinds.size()) - 2);
+  EXPECT_EQ(std::vector<std::string>(kinds.begin() + 2, kinds.begin() + 5),
+            (std::vector<std::string>{"constant", "inductance", "elastance"}));
+  EXPECT_EQ(std::count(kinds.begin() + 5, kinds.end(), "density"), static_cast<std::ptrdiff_t>(kinds.size()) - 5);
   EXPECT_NE(result.output.find("value_unit"), std::string::npos);
 }
 

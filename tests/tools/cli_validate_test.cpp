@@ -60,6 +60,7 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(json.at("level"), 0.05);
   EXPECT_EQ(json.at("accuracy"), 1e-4);
+  EXPECT_EQ(json.at("tolerance"), 0.01);
   const auto& rows = json.at("rows");
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].at("file"), good);
@@ -95,10 +96,42 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
                           "largest_residual",
                           "dead_time_s",
                           "reversed_sign",
+                          "departs",
+                          "consistent_to",
                           "summary"})
     EXPECT_TRUE(rows[0].contains(key)) << key;
   const auto table = run_fracfit({"validate", good, "--format", "table"});
   EXPECT_NE(table.output.find("good.csv: valid: "), std::string::npos) << table.output;
+}
+
+// A drift of 10 % does not matter to whoever allows as much; that it is there is said all the same.
+TEST(ValidateCommand, DeparturesWithinTheToleranceAreToldAndNoFault) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("drift.csv", spectrum(0.1));
+  const auto result = run_fracfit({"validate", data, "--tolerance", "0.2", "--format", "json"});
+  const auto row = nlohmann::json::parse(result.output).at("rows")[0];
+  EXPECT_EQ(row.at("validity"), "valid");
+  EXPECT_EQ(row.at("departs"), 1);
+  // The poles follow most of such a drift, and what they leave is less than it.
+  EXPECT_GT(row.at("consistent_to").get<double>(), 0.001);
+  EXPECT_LT(row.at("consistent_to").get<double>(), 0.15);
+  EXPECT_NE(row.at("summary").get<std::string>().find("drift"), std::string::npos);
+}
+
+TEST(ValidateCommand, OfALongSweepSomePointsAreJudged) {
+  const TemporaryFolder folder;
+  std::string text = "omega_rad_s,re,im\n";
+  for (int i = 0; i < 900; ++i) {
+    const double omega = 0.01 * std::pow(10, i / 150.0);
+    const std::complex<double> value = 1.0 + 3.0 / (1.0 + std::complex<double>(0, omega));
+    char line[96];
+    std::snprintf(line, sizeof line, "%.9g,%.4g,%.4g\n", omega, value.real(), value.imag());
+    text += line;
+  }
+  const auto data = folder.write("long.csv", text);
+  EXPECT_NE(run_fracfit({"validate", data, "--format", "table"}).output.find("by one point in 3"), std::string::npos);
+  EXPECT_EQ(run_fracfit({"validate", data, "--all-points", "--format", "table"}).output.find("one point in"),
+            std::string::npos);
 }
 
 TEST(ValidateCommand, FitAndIdentifySayTheSame) {
@@ -166,6 +199,7 @@ TEST(ValidateCommand, WrongUsageAndTooLittleDataAreNamed) {
   EXPECT_EQ(run_fracfit({"validate"}).code, 2);
   EXPECT_EQ(run_fracfit({"validate", data, "--level", "1"}).code, 2);
   EXPECT_EQ(run_fracfit({"validate", data, "--accuracy", "1"}).code, 2);
+  EXPECT_EQ(run_fracfit({"validate", data, "--tolerance", "-0.1"}).code, 2);
   EXPECT_EQ(run_fracfit({"validate", data, "--picture", folder.path("rest.pdf")}).code, 2);
   const auto onto_itself = run_fracfit({"validate", data, "--picture", data});
   EXPECT_EQ(onto_itself.code, 2) << onto_itself.error;

@@ -193,16 +193,6 @@ TEST(NotationOf, TakesTheFrequencyAsReadersOfTheFieldDo) {
   }
 }
 
-// Parts of a right angle wherever the axis is longer than a few degrees: between three and ten ticks.
-TEST(WriteScript, AnglesHaveTicksAtPartsOfARightAngle) {
-  for (const auto& [from, to, step] : std::vector<std::tuple<double, double, std::string>>{
-           {-90, 0, "15"}, {-180, -60, "15"}, {-250, 20, "45"}, {-700, 0, "90"}, {-30, 10, "5"}, {-0.3, 0.2, "0.1"}}) {
-    Figure figure = small_figure("picture");
-    figure.panels.front().y = {.label = "degrees", .from = from, .to = to, .degrees = true};
-    EXPECT_NE(gnuplot_script(figure).find("set ytics " + step + "\n"), std::string::npos) << from << " .. " << to;
-  }
-}
-
 TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
   const TemporaryFolder folder;
   Figure figure;

@@ -409,6 +409,11 @@ TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
   const std::size_t verdict = page.find("class=\"verdict\"", figure);
   ASSERT_NE(figure, std::string::npos);
   EXPECT_LT(verdict, page.find("</figure>", figure));
+  // Before it a line with the verdict, the resistances and to how much the points are consistent.
+  const std::size_t line = page.find("; consistent to ");
+  EXPECT_LT(line, figure);
+  EXPECT_NE(page.rfind(" ± ", line), std::string::npos);
+  EXPECT_NE(page.rfind(report.verdict() + ", odds ", line), std::string::npos);
   const auto& parameters = json.at("tables").at("data-1-chosen");
   ASSERT_FALSE(parameters.empty());
   for (const auto& parameter : parameters) {

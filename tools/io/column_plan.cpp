@@ -37,6 +37,13 @@ std::optional<std::size_t> position_of(const TextTable& table, const std::string
   return found == header.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - header.begin()));
 }
 
+// "Re(Zwe-ce)/Ohm": what stands in brackets is no unit where one stands behind them.
+static std::string unit_in(std::string_view name) {
+  const auto bracket = name.rfind(")/");
+  return bracket == std::string_view::npos ? column_meaning(name).unit
+                                           : column_meaning("re [" + std::string(name.substr(bracket + 2)) + "]").unit;
+}
+
 Planner::Planner(const TextTable& table, const std::string& label, const MeasurementOptions& how,
                  std::vector<std::string>& notes)
     : table_(table), notes_(notes) {
@@ -55,6 +62,7 @@ Planner::Planner(const TextTable& table, const std::string& label, const Measure
   }
   keep_one_symbol();
   take_frequency_unit(how.frequency_unit);
+  take_hertz();
 }
 
 ColumnPlan Planner::plan(const FrequencyResponseReadOptions& options) {
@@ -65,7 +73,7 @@ ColumnPlan Planner::plan(const FrequencyResponseReadOptions& options) {
   used_.push_back(plan.frequency);
   used_.push_back(plan.first);
   used_.push_back(plan.second);
-  for (const auto column : {plan.first, plan.second})
+  for (const auto column : {plan.frequency, plan.first, plan.second})
     if (!meanings_[column].assumption.empty() &&
         std::find(notes_.begin(), notes_.end(), meanings_[column].assumption) == notes_.end())
       notes_.push_back(meanings_[column].assumption);
@@ -119,7 +127,7 @@ void Planner::take_columns(const std::string& columns) {
       meaning = named;
     if (meaning.quantity == Quantity::real || meaning.quantity == Quantity::imaginary ||
         meaning.quantity == Quantity::negative_imaginary)
-      meaning.unit = named.unit;
+      meaning.unit = unit_in(table_.header()[*place].text);
   }
 }
 
@@ -142,6 +150,18 @@ void Planner::take_frequency_unit(const std::string& unit) {
     const ColumnMeaning told = column_meaning("f[" + unit + "]");
     if (!told.problem.empty()) throw std::invalid_argument("--frequency-unit " + unit + ": " + told.problem);
     meaning = told;
+  }
+}
+
+void Planner::take_hertz() {
+  if (frequency()) return;
+  for (const std::size_t column : columns_with(Quantity::frequency)) {
+    ColumnMeaning& meaning = meanings_[column];
+    if (!meaning.unit.empty()) continue;
+    meaning = column_meaning("f[Hz]");
+    meaning.assumption = "column " + quoted(table_.header()[column].text) +
+                         " has no unit and is taken as Hz; --frequency-unit rad/s reads the other";
+    return;
   }
 }
 

@@ -67,6 +67,8 @@ class Planner {
   // A file may hold impedance and admittance; the impedance is read.
   void keep_one_symbol();
   void take_frequency_unit(const std::string& unit);
+  // A frequency without a unit, where no other column is one, is in hertz: f as against omega.
+  void take_hertz();
   [[noreturn]] void fail_at(std::size_t column, const std::string& message) const;
   [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
   [[nodiscard]] std::vector<std::size_t> columns_with(Quantity quantity) const;

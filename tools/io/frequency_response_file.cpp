@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -51,6 +52,16 @@ void say_what_was_taken(const Measurement& measurement, const std::string& what,
   notes.insert(notes.begin(), (measurement.format.empty() ? "table" : measurement.format) + ", " +
                                   std::to_string(points) + (points == 1 ? " point" : " points") +
                                   (what.empty() ? "" : ", " + what));
+}
+
+// A sweep of the amplitude or of time has one frequency and many points.
+void refuse_one_frequency(const std::string& file, const std::vector<double>& omega,
+                          const FrequencyResponseReadOptions& options) {
+  if (omega.size() < 3 || omega.front() != omega.back() || options.repeats_are_points || !options.where.empty()) return;
+  throw DataError(file, 0, 0,
+                  "holds " + std::to_string(omega.size()) + " points, all at " +
+                      format_number(omega.front() / (2 * std::numbers::pi)) +
+                      " Hz: a sweep of the amplitude or of time is no frequency response");
 }
 
 FrequencyResponseFile read_table(const Measurement& measurement, const TextTable& table,
@@ -114,6 +125,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
     // Conditions may have left one of them.
     if (!column.name.empty() && options.where.empty()) refuse_several(measurement, curve_labels(measurement, ""));
   }
+  refuse_one_frequency(measurement.file, points.omega, options);
   leave_out_copies(points, notes);
   Metadata metadata = table.metadata();
   metadata.insert(metadata.end(), options.rows.begin(), options.rows.end());
@@ -223,7 +235,8 @@ std::vector<std::string> column_labels(const TextTable& table) {
 
 FrequencyResponseFile read_as_stored(const Measurement& measurement, const FrequencyResponseReadOptions& given) {
   FrequencyResponseReadOptions options = given;
-  if (!options.how.select.empty()) options.curve = selected(measurement, options.how.select);
+  if (!options.how.select.empty() && !measurement.is_selected)
+    options.curve = selected(measurement, options.how.select);
   const Measurement::Sweep* sweep = &measurement.sweeps.front();
   const auto is_shown = [](const Measurement::Sweep& each) { return !each.is_derived; };
   if (measurement.sweeps.size() > 1) {

@@ -43,6 +43,28 @@ bool is_binary(std::string_view text) {
                        [](unsigned char c) { return std::iscntrl(c) != 0 && std::isspace(c) == 0; }) > stray;
 }
 
+/// Of a table that holds several quantities one remains: that which --select names or the first; all columns where
+/// --columns tells them.  Sweeps of such a table are told by a column, and --select chooses one of these.
+void settle_columns(Recognised& found, Measurement& measurement) {
+  const MeasurementOptions& how = measurement.how;
+  if (!how.columns.empty()) {
+    found.sweeps = {{"", std::move(*found.whole)}};
+    found.notes.clear();
+    return;
+  }
+  const auto named = std::find_if(found.sweeps.begin(), found.sweeps.end(),
+                                  [&](const Sweep& sweep) { return !sweep.name.empty() && sweep.name == how.select; });
+  Sweep chosen = std::move(named == found.sweeps.end() ? found.sweeps.front() : *named);
+  if (named != found.sweeps.end()) {
+    measurement.notes.push_back("read is " + chosen.name);
+    measurement.is_selected = true;
+  }
+  chosen.name.clear();
+  chosen.is_derived = false;
+  found.sweeps.clear();
+  found.sweeps.push_back(std::move(chosen));
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> columns_told(const std::string& text) {
@@ -89,13 +111,14 @@ Measurement read_measurement(const std::string& file, const MeasurementOptions& 
   measurement.format = std::move(found->format);
   measurement.unit = std::move(found->unit);
   for (auto& note : found->notes) measurement.notes.push_back(std::move(note));
+  if (found->whole) settle_columns(*found, measurement);
   for (auto& sweep : found->sweeps) {
     Measurement::Sweep& added = measurement.sweeps.emplace_back();
     added.name = std::move(sweep.name);
     added.is_derived = sweep.is_derived;
-    if (auto* layout = std::get_if<TextLayout>(&sweep.content))
+    if (auto* layout = std::get_if<TextLayout>(&sweep.content)) {
       added.table = std::make_shared<const TextTable>(measurement.file, std::move(*layout));
-    else
+    } else
       added.curve = std::get<SampledCurve>(std::move(sweep.content));
   }
   return measurement;

@@ -42,6 +42,7 @@ struct Measurement {
   std::string unit;         // of the values by the rules of the format, where the names give none
   std::string fingerprint;  // of the whole file, see input_text.hpp
   MeasurementOptions how;
+  bool is_selected = false;  // what `how.select` names is all that is left
   /// Of a table with many curves in columns: each as a table of its own, by label; see prepare_curves().
   std::map<std::string, std::shared_ptr<const TextTable>> narrow;
   /// The same of one with curves in rows, behind the name of the column that tells them apart.

@@ -168,6 +168,12 @@ std::shared_ptr<TextTable> TextTable::with_rows(std::shared_ptr<const std::vecto
   return table;
 }
 
+void TextTable::add_empty_fields(std::string_view line, std::vector<std::string_view>& fields) const {
+  while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.remove_suffix(1);
+  const auto tabs = static_cast<std::size_t>(line.size() - 1 - line.find_last_not_of('\t'));
+  fields.resize(std::min(header_.size(), fields.size() + tabs));
+}
+
 void TextTable::for_each_row(const std::function<void(const Row&)>& body) const {
   std::vector<std::string_view> fields;
   if (!taken_.empty()) {
@@ -185,6 +191,7 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
     const auto text = trimmed(line);
     if (text.empty() || is_comment(text)) continue;
     split_by(text, separator_, fields);
+    if (fields.size() < header_.size() && separator_ == '\t') add_empty_fields(line, fields);
     if (fields.size() != header_.size()) {
       const std::size_t column =
           fields.size() > header_.size() ? column_in(line, fields[header_.size()]) : characters(line) + 1;

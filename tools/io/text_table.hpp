@@ -93,6 +93,8 @@ class TextTable {
   TextTable() = default;
   // All columns of some rows.
   [[nodiscard]] std::shared_ptr<TextTable> with_rows(std::shared_ptr<const std::vector<CutRow>> rows) const;
+  // Fields that are empty at the end of a line are fields too.
+  void add_empty_fields(std::string_view line, std::vector<std::string_view>& fields) const;
   void take_header(std::string_view line, std::string_view names, std::size_t number);
   void leave_out_a_row_cut_off();
 

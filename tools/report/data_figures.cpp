@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/data_figures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -47,6 +48,20 @@ Values unwrapped_phase(const Response& values, double first) {
     phase.push_back(degrees + 360 * std::round((before - degrees) / 360));
   }
   return phase;
+}
+
+// The nearest to each power of ten, no further from it than a tenth of a decade.
+std::vector<std::size_t> points_at_decades(const Values& frequency) {
+  constexpr double near = 0.1;
+  std::vector<std::size_t> points;
+  for (double decade = std::round(std::log10(frequency.front())); decade <= std::log10(frequency.back()) + near;
+       ++decade) {
+    const auto away = [decade](double f) { return std::abs(std::log10(f) - decade); };
+    const auto nearest =
+        std::min_element(frequency.begin(), frequency.end(), [&](double a, double b) { return away(a) < away(b); });
+    if (away(*nearest) <= near) points.push_back(static_cast<std::size_t>(nearest - frequency.begin()));
+  }
+  return points;
 }
 
 struct Modelled {
@@ -256,6 +271,14 @@ class Drawing {
     };
     for (const Modelled& fit : fits_)
       panel.curves.push_back(curve(fit.drawn.label, fit.drawn.colour, fit.drawn.mark, fit.response));
+    // Where the frequency passes powers of ten, which the plane does not show otherwise.
+    Values re, im, at;
+    for (const std::size_t i : points_at_decades(axis_)) {
+      re.push_back(data_.value()[i].real());
+      im.push_back(notation_.sign * data_.value()[i].imag());
+      at.push_back(axis_[i]);
+    }
+    panel.curves.push_back(make_curve("", data_colour, Mark::points, re, im, at));
     panel.curves.push_back(curve("data", data_colour, Mark::open_points, data_.value()));
     return panel;
   }

@@ -5,6 +5,7 @@
 
 #include "frac/identification/outliers.hpp"
 #include "frac/identification/validate.hpp"
+#include "frac/parameter_units.hpp"
 #include "report/data_figures.hpp"
 #include "report/html.hpp"
 #include "report/measured.hpp"
@@ -35,6 +36,47 @@ std::string frequencies_of(const frac::FrequencyResponseData& data, const std::v
   std::string text;
   for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + frequency(data, data.omega()[i]);
   return text;
+}
+
+/// What a reader asks first: the verdict, the values, and to how much the points belong together.
+std::string headline(const frac::IdentificationResult& result, const frac::ValidationResult& validity,
+                     const std::string& unit) {
+  std::string line(frac::to_string(result.verdict));
+  if (std::isfinite(result.log10_odds)) {
+    const double odds = std::pow(10.0, std::abs(result.log10_odds));
+    line +=
+        ", odds " + html_number(odds, 3) + ":1 for " + (result.log10_odds > 0 ? "a fractional order" : "whole orders");
+  }
+  const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  std::vector<std::string> units;
+  if (!chosen.fit.parameters.empty()) units = frac::parameter_units(frac::Structure(chosen.fit.model), unit);
+  // Those in the unit of the data: resistances of an impedance, moduli, gains.
+  constexpr std::size_t most = 4;
+  std::string values;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < std::min(units.size(), chosen.fit.parameters.size()) && count < most; ++i) {
+    const frac::ParameterEstimate& each = chosen.fit.parameters[i];
+    if (units[i] != unit || !each.identified || std::isnan(each.ci95_lower)) continue;
+    values += (values.empty() ? "" : ", ") + each.name + " = " + html_number(each.value, 4) + " ± " +
+              html_number((each.ci95_upper - each.ci95_lower) / 2, 2) + (unit.empty() ? "" : " " + unit);
+    ++count;
+  }
+  if (!values.empty()) line += "; " + values;
+  if (std::isfinite(validity.consistent_to) && !validity.model.empty())
+    line += "; consistent to " + html_number(100 * validity.consistent_to, 2) + " %";
+  return line;
+}
+
+/// Says so where the chosen structure is none of the two that the verdict compares.
+std::string chosen_beside(const frac::IdentificationResult& result) {
+  if (!result.fractional || !result.integer || result.chosen == result.fractional->index ||
+      result.chosen == result.integer->index)
+    return {};
+  const auto name = [&](std::size_t index) { return escape_html(result.ranking.at(index).name); };
+  return prose("data", "chosen-beside",
+               {{"model", name(result.chosen)},
+                {"fractional", name(result.fractional->index)},
+                {"integer", name(result.integer->index)}});
 }
 
 }  // namespace
@@ -96,10 +138,13 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
     section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
+  const bool is_number = field == Field::permittivity && notation.unit.empty();
+  const std::string unit = is_number ? "1" : notation.unit;
+  section.add(Html{"<p>" + prose("data", "headline", {{"line", headline(result, validity, notation.unit)}}) + "</p>"});
+  if (const std::string beside = chosen_beside(result); !beside.empty()) section.add(Html{"<p>" + beside + "</p>"});
   MeasuredPictures pictures = draw_measured(section.id, data, options.component, result, field, read.value_unit);
   section.add(std::move(pictures.response));
-  const bool is_number = field == Field::permittivity && notation.unit.empty();
-  section.add(chosen_table(section.id + "-chosen", result, is_number ? "1" : notation.unit));
+  section.add(chosen_table(section.id + "-chosen", result, unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));
   section.fact("quantity_" + section.id, std::string(to_string(field)));

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <iomanip>
@@ -18,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "report/axis_ticks.hpp"
 #include "report/figure.hpp"
 
 namespace report {
@@ -96,7 +99,11 @@ Range fitted_range(const Panel& panel, bool horizontal) {
 Range axis_range(const Panel& panel, bool horizontal) {
   const Axis& axis = horizontal ? panel.x : panel.y;
   const Range fitted = fitted_range(panel, horizontal);
-  return {axis.from.value_or(fitted.from), axis.to.value_or(fitted.to)};
+  const Range range{axis.from.value_or(fitted.from), axis.to.value_or(fitted.to)};
+  if (range.from < range.to) return range;
+  // All points lie beyond the end that was asked for.
+  return axis.from ? Range{range.from, axis.logarithmic ? 10 * range.from : range.from + 1}
+                   : Range{axis.logarithmic ? range.to / 10 : range.to - 1, range.to};
 }
 
 // The axes box of a panel in px.
@@ -183,79 +190,32 @@ Layout layout_of(const Figure& figure) {
   return layout;
 }
 
-// 1, 2 or 5 times a power of ten, about a sixth of the range.
-double tick_step(Range range) {
-  const double rough = (range.to - range.from) / 6;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  return power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+// As many digits as tell the number from its neighbours.  gnuplot takes digits alone for an integer, which overflows.
+std::string exact(double value) {
+  std::array<char, 32> text{};
+  std::string written(text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr);
+  if (written.size() > 9 && written.find_first_of(".e") == std::string::npos) written += '.';
+  return written;
 }
 
-// Of degrees: parts of a right angle, nine or so of them.
-double angle_step(Range range) {
-  const double span = range.to - range.from;
-  for (const double step : {1, 2, 5, 15, 45, 90, 180, 360})
-    if (span > 1 && span <= 9 * step) return step;
-  return tick_step(range);
-}
-
-std::vector<double> equal_ticks(Range range) {
-  const double step = tick_step(range);
-  std::vector<double> ticks;
-  for (double index = std::ceil(range.from / step); index * step <= range.to; ++index) ticks.push_back(index * step);
-  return ticks;
-}
-
-std::vector<double> ticks_between(Range range, double decades) {
-  if (decades < 0.5) return equal_ticks(range);
-  const std::vector<double> mantissas =
-      decades > 1.3 ? std::vector<double>{1, 2, 5} : std::vector<double>{1, 1.5, 2, 3, 4, 5, 7};
-  std::vector<double> ticks;
-  const int lowest = static_cast<int>(std::floor(std::log10(range.from)));
-  const int highest = static_cast<int>(std::ceil(std::log10(range.to)));
-  for (int exponent = lowest; exponent <= highest; ++exponent) {
-    for (const double mantissa : mantissas) {
-      const double tick = mantissa * std::pow(10.0, exponent);
-      if (tick >= range.from * (1 - 1e-9) && tick <= range.to * (1 + 1e-9)) ticks.push_back(tick);
-    }
+void write_axis(std::ostream& script, char name, const Axis& axis, const DrawnAxis& drawn,
+                const std::vector<Tick>& ticks) {
+  // Makes the axis slightly longer than asked for: rounding could drop a tick exactly at its end.
+  constexpr double hair = 1e-6;
+  const double factor = std::pow(drawn.to / drawn.from, hair);
+  const double margin = hair * (drawn.to - drawn.from);
+  const double from = axis.logarithmic ? drawn.from / factor : drawn.from - margin;
+  const double to = axis.logarithmic ? drawn.to * factor : drawn.to + margin;
+  // The range stands before the scale: the panel before may have left one that has no logarithms.
+  script << "unset logscale " << name << "\nset " << name << "range [" << exact(from) << ":" << exact(to) << "]\nset "
+         << name << "label " << quoted(axis.label) << "\n";
+  if (axis.logarithmic) script << "set logscale " << name << "\n";
+  script << "set " << name << "tics (";
+  for (const Tick& tick : ticks) {
+    script << (&tick == ticks.data() ? "" : ", ") << quoted(tick.label) << " " << exact(tick.value)
+           << (tick.label.empty() ? " 1" : "");
   }
-  return ticks;
-}
-
-// Ticks of a logarithmic axis: powers of ten over many decades, round numbers in between over few, so that no axis is
-// left with a single labelled tick.
-void write_logarithmic_ticks(std::ostream& script, char axis, Range range, bool vertical) {
-  const double decades = std::log10(range.to / range.from);
-  script << "set logscale " << axis << "\n";
-  if (decades > 2.6) {
-    const int step = std::max(1, static_cast<int>(std::ceil(decades / (vertical ? 7 : 10))));
-    script << "set format " << axis << " '10^{%T}'\nset " << axis << "tics " << std::pow(10.0, step) << "\nset m"
-           << axis << "tics " << (step == 1 ? 10 : 1) << "\n";
-    return;
-  }
-  script << "set format " << axis << " '%g'\nset " << axis << "tics (";
-  bool first = true;
-  for (const double tick : ticks_between(range, decades)) {
-    script << (first ? "" : ", ") << tick;
-    first = false;
-  }
-  script << ")\nset m" << axis << "tics 1\n";
-}
-
-void write_axis(std::ostream& script, char name, const Axis& axis, Range range) {
-  script << "set " << name << "label " << quoted(axis.label) << "\n";
-  if (axis.logarithmic) {
-    write_logarithmic_ticks(script, name, range, name == 'y');
-  } else {
-    script << "unset logscale " << name << "\nset format " << name << " '%g'\nset " << name << "tics ";
-    if (axis.degrees)
-      script << angle_step(range);
-    else
-      script << "autofreq";
-    script << "\nset m" << name << "tics default\n";
-  }
-  // Makes a logarithmic axis slightly wider than asked for: rounding could drop the label of a tick exactly at its end.
-  const double hair = axis.logarithmic ? 1e-6 : 0;
-  script << "set " << name << "range [" << range.from * (1 - hair) << ":" << range.to * (1 + hair) << "]\n";
+  script << ")\n";
 }
 
 // Mixes the colour with white.  Transparency would darken marks that overlap.
@@ -356,14 +316,20 @@ void write_palette(std::ostream& script, const CellMap& map) {
 }
 
 void write_panel(std::ostream& script, const Panel& panel, std::size_t index, const Box& box) {
-  const auto [x, y] = axis_ranges(panel, box);
-  script << "set title " << quoted(panel.title) << "\n";
-  write_axis(script, 'x', panel.x, x);
-  write_axis(script, 'y', panel.y, y);
+  const auto [x_range, y_range] = axis_ranges(panel, box);
+  const DrawnAxis x{x_range.from, x_range.to, panel.x.logarithmic, panel.x.degrees, false, 1.0 * box.width};
+  const DrawnAxis y{y_range.from, y_range.to, panel.y.logarithmic, panel.y.degrees, true, 1.0 * box.height};
+  std::vector<Tick> x_ticks = axis_ticks(x);
+  std::vector<Tick> y_ticks = axis_ticks(y);
   if (panel.equal_axes) {
-    const double step = std::max(tick_step(x), tick_step(y));
-    script << "set xtics " << step << "\nset ytics " << step << "\n";
+    const TickStep step = std::max(tick_step(x), tick_step(y),
+                                   [](const TickStep& a, const TickStep& b) { return a.value() < b.value(); });
+    x_ticks = ticks_at(x, step);
+    y_ticks = ticks_at(y, step);
   }
+  script << "set title " << quoted(panel.title) << "\n";
+  write_axis(script, 'x', panel.x, x, x_ticks);
+  write_axis(script, 'y', panel.y, y, y_ticks);
   script << (panel.key ? "set key at graph 1.02, graph 1 left top Left reverse samplen 2 spacing 1.15\n"
                        : "unset key\n");
   if (panel.map) write_palette(script, *panel.map);
@@ -391,9 +357,10 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index, co
 
 void write_commands(Gnuplot& script, const Figure& figure) {
   const Layout layout = layout_of(figure);
-  script << std::defaultfloat << std::setprecision(9);
+  // Twelve digits, a thousandth of the shortest axis, on which values differ in their ninth.
+  script << std::defaultfloat << std::setprecision(12);
   script << "# Makes " << figure.name << ".svg and " << figure.name << ".png:  gnuplot " << figure.name << ".gp\n"
-         << "set encoding utf8\nset minussign\n";
+         << "set encoding utf8\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     if (figure.panels[p].map) write_map_data(script, *figure.panels[p].map, p);
     for (std::size_t c = 0; c < figure.panels[p].curves.size(); ++c) {

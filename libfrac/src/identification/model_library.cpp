@@ -239,15 +239,23 @@ NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
 
 namespace {
 
-/// A preset's name in capitals, or with _ for -, parses as a formula of parameters alone, which nobody means.
+/// A name in small letters without what words are joined with.
+std::string letters_of(std::string_view name) {
+  std::string letters;
+  for (const char c : name)
+    if (c != '_' && c != '-' && c != ' ') letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return letters;
+}
+
+/// A preset's name in capitals, or with _ or a blank for -, parses as a formula of parameters alone, which nobody
+/// means.
 void refuse_letters_of_preset(std::string_view text) {
-  std::string letters(text);
-  for (char& c : letters) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   std::vector<std::string> names{"rational", "commensurate", "terms"};
   for (const NamedModel& model : model_library()) names.push_back(model.name);
-  if (letters == text || std::find(names.begin(), names.end(), letters) == names.end()) return;
-  throw std::invalid_argument("model '" + std::string(text) + "' is a formula without s; did you mean " + letters +
-                              "?");
+  for (const std::string& name : names) {
+    if (letters_of(name) != letters_of(text) || name == text) continue;
+    throw std::invalid_argument("model '" + std::string(text) + "' is a formula without s; did you mean " + name + "?");
+  }
 }
 
 struct ReadPreset {

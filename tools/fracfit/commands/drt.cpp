@@ -5,10 +5,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "commands/subcommand.hpp"
 #include "frac/identification/relaxation_times.hpp"
+#include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
 #include "io/unit_name.hpp"
 #include "options/data_options.hpp"
@@ -26,7 +28,7 @@ class Drt : public Command {
  public:
   Drt() : Command("drt", "Distribution of relaxation times, of a fit exactly or of measured data without a model") {
     Options& o = options();
-    o.text("--data", data_, "A frequency response as a table or as an instrument writes it", "FILE")
+    o.texts("--data", data_, "Frequency responses as tables or as instruments write them", "FILE")
         .or_argument()
         .names_input();
     add_file_options(o, read_.how);
@@ -50,13 +52,17 @@ class Drt : public Command {
         "the\n"
         "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
         "line.\n"
-        "The area of a peak of data is that within the band.  Kinds of rows: peak and line, whose value is an area,\n"
-        "and density, all in the unit of the response.\n"
+        "The area of a peak of data is that within the band, beyond which g only falls: what is faster than the band "
+        "is\n"
+        "part of the constant.  Kinds of rows: peak and line, whose value is an area, the three ends of data, and "
+        "density,\n"
+        "in the unit of the response.  Several files stand one after another, each by its name in the column source.\n"
         "The misfit is the rms of what the distribution leaves of the data, relative to their magnitude and in units\n"
         "of their noise, fit_misfit that of the formula of a fit beside data; data that no distribution follows (a\n"
         "resonance, a reversed sign) are named, with exit code 1.\n"
         "Examples:\n"
         "  fracfit drt cell.csv --out times.csv --picture times.svg\n"
+        "  fracfit drt fresh.csv aged.csv --picture both.svg\n"
         "  fracfit drt --fit fit.json --tau 1e-6:100:161log\n"
         "  fracfit drt cell.csv --fit fit.json --tau 1e-6:100:161log --picture both.svg");
   }
@@ -66,6 +72,8 @@ class Drt : public Command {
     if (data_.empty() && fit_.empty())
       throw std::invalid_argument("--data or --fit is required: what has the distribution");
     if (!fit_.empty() && tau_.empty()) throw std::invalid_argument("--fit needs --tau, the times at which it is shown");
+    if (!fit_.empty() && data_.size() > 1)
+      throw std::invalid_argument("--fit goes with one file of --data, not with " + std::to_string(data_.size()));
     for (const auto& text : where_) read_.where.emplace_back(text);
     if (picture_.empty()) return;
     try {
@@ -82,11 +90,12 @@ class Drt : public Command {
 
   /// What is to be read first stands first: peaks, lines, and at the end the density.
   struct RowLists {
-    std::vector<Row> peaks, lines, densities;
+    std::vector<Row> peaks, lines, ends, densities;
 
     [[nodiscard]] std::vector<Row> all() const {
       std::vector<Row> rows = peaks;
       rows.insert(rows.end(), lines.begin(), lines.end());
+      rows.insert(rows.end(), ends.begin(), ends.end());
       rows.insert(rows.end(), densities.begin(), densities.end());
       return rows;
     }
@@ -101,15 +110,22 @@ class Drt : public Command {
       to.push_back(
           {source, kind, each.tau, each.tau_lower, each.tau_upper, each.area, each.area_lower, each.area_upper});
     };
+    if (!std::isnan(of.constant)) {
+      rows.ends.push_back({source, "constant", NAN, NAN, NAN, of.constant, of.constant_lower, of.constant_upper});
+      rows.ends.push_back(
+          {source, "inductance", NAN, NAN, NAN, of.inductance, of.inductance_lower, of.inductance_upper});
+      rows.ends.push_back({source, "elastance", NAN, NAN, NAN, of.elastance, of.elastance_lower, of.elastance_upper});
+    }
     for (const auto& line : of.lines) add(rows.lines, "line", line);
     for (const auto& peak : of.peaks) add(rows.peaks, "peak", peak);
   }
 
-  static void add_curves(const std::string& label, std::size_t colour, const frac::TimesDistribution& of,
-                         report::Panel& panel) {
-    if (!of.lower.empty())
+  void add_curves(const std::string& label, std::size_t colour, const frac::TimesDistribution& of,
+                  report::Panel& panel) const {
+    // More than two ranges hide each other.
+    if (!of.lower.empty() && data_.size() < 3)
       panel.curves.push_back(
-          report::make_band(label + ", range", colour == 0 ? "#b3d4e8" : "#f3cdb0", of.tau, of.lower, of.upper));
+          report::make_band(label + ", range", report::category_colour(colour), of.tau, of.lower, of.upper));
     panel.curves.push_back(
         report::make_curve(label, report::category_colour(colour), report::Mark::line, of.tau, of.density));
     // A line has no density; its area stands at its time.
@@ -163,9 +179,9 @@ class Drt : public Command {
   }
 
   /// Says why a distribution is none of relaxation times.
-  bool data_are_followed(const frac::TimesDistribution& times) const {
+  bool data_are_followed(const std::string& file, const frac::TimesDistribution& times) const {
     if (times.follows_data()) return true;
-    say(data_ + ": no distribution of relaxation times" +
+    say(file + ": no distribution of relaxation times" +
         (kernel_ ? " with the kernel " + std::string(to_string(*kernel_)) : " with either kernel") +
         " follows the data: it misses them by " + short_number(100 * times.misfit) + " % (rms), " +
         short_number(times.misfit_in_noise) + " times their noise" +
@@ -196,6 +212,35 @@ class Drt : public Command {
     return std::sqrt(sum / static_cast<double>(data.size()));
   }
 
+  struct Read {
+    std::string name;
+    io::FrequencyResponseFile content;
+  };
+
+  /// A file that cannot be read does not keep the others from being shown; where none can be read, that is the error.
+  /// Areas are compared, so that all have one unit.
+  [[nodiscard]] std::vector<Read> read_files() const {
+    std::vector<Read> files;
+    std::optional<io::DataError> problem;
+    for (const std::string& name : data_) {
+      try {
+        files.push_back({name, io::read_frequency_response(name, read_)});
+      } catch (const io::DataError& error) {
+        if (data_.size() > 1) say(error.what());
+        if (!problem) problem = error;
+        continue;
+      }
+      const io::FrequencyResponseFile& file = files.back().content;
+      for (const auto& note : file.notes) say(name + ": " + note);
+      if (file.value_unit != files.front().content.value_unit)
+        throw io::DataError(name, 0, 0,
+                            "has values in " + io::quoted(file.value_unit) + ", " + files.front().name + " in " +
+                                io::quoted(files.front().content.value_unit) + "; expected one unit");
+    }
+    if (files.empty() && problem) throw io::DataError(*problem);
+    return files;
+  }
+
   int run() override {
     Document document;
     bool usable = true;
@@ -205,25 +250,34 @@ class Drt : public Command {
     std::optional<frac::FrequencyResponseData> data;
     report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
     panel.key = true;
-    if (!data_.empty()) {
-      const auto file = io::read_frequency_response(data_, read_);
-      for (const auto& note : file.notes) say(data_ + ": " + note);
+    std::vector<Read> files = read_files();
+    const bool one = data_.size() == 1;
+    usable = files.empty();
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const io::FrequencyResponseFile& file = files[i].content;
       const auto times = of_data(file.data);
       told = times.kernel;
-      usable = data_are_followed(times);
-      add_rows("data", times, lists);
+      const bool followed = data_are_followed(files[i].name, times);
+      usable = usable || followed;
+      const std::string source = one ? "data" : files[i].name;
+      add_rows(source, times, lists);
       unit = file.value_unit;
-      add_curves("data", 0, times, panel);
-      if (!file.value_unit.empty())
-        panel.y.label += " (" + report::enhanced_escape(io::written_unit(file.value_unit)) + ")";
-      document.head.emplace_back("constant", io::format_number(times.constant));
-      document.head.emplace_back("inductance", io::format_number(times.inductance));
-      document.head.emplace_back("elastance", io::format_number(times.elastance));
+      add_curves(one ? "data" : report::enhanced_escape(source), i, times, panel);
+      if (!one) continue;
+      for (const auto& [name, value, lower, upper] :
+           {std::tuple{"constant", times.constant, times.constant_lower, times.constant_upper},
+            {"inductance", times.inductance, times.inductance_lower, times.inductance_upper},
+            {"elastance", times.elastance, times.elastance_lower, times.elastance_upper}}) {
+        document.head.emplace_back(name, io::format_number(value));
+        document.head.emplace_back(name + std::string("_lower"), io::format_number(lower));
+        document.head.emplace_back(name + std::string("_upper"), io::format_number(upper));
+      }
       document.head.emplace_back("smoothness", io::format_number(times.smoothness));
       document.head.emplace_back("misfit", io::format_number(times.misfit));
       document.head.emplace_back("misfit_in_noise", io::format_number(times.misfit_in_noise));
       data = file.data;
     }
+    if (!unit.empty()) panel.y.label += " (" + report::enhanced_escape(io::written_unit(unit)) + ")";
     if (!fit_.empty()) {
       const auto fit = read_fit(fit_);
       const auto times = of_fit(fit, told);
@@ -257,8 +311,8 @@ class Drt : public Command {
     return usable ? usable_result : no_usable_result;
   }
 
-  std::string data_, fit_, picture_;
-  std::vector<std::string> where_;
+  std::string fit_, picture_;
+  std::vector<std::string> data_, where_;
   io::FrequencyResponseReadOptions read_;
   std::vector<double> tau_;
   std::optional<frac::TimesKernel> kernel_;

@@ -46,11 +46,17 @@ std::string frequencies(const Judged& judged, const std::vector<std::size_t>& po
 }
 
 std::string short_frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
-  std::string text;
   const frac::FrequencyUnit unit = judged.data.frequency_unit();
-  for (const std::size_t i : points)
-    text += (text.empty() ? "" : ", ") + short_number(in_unit(judged.data.omega()[i], unit));
-  return text + " " + std::string(to_string(unit));
+  const auto frequency = [&](std::size_t i) { return short_number(in_unit(judged.data.omega()[i], unit)); };
+  const std::string unit_text = " " + std::string(to_string(unit));
+  // More are no list that anybody reads.
+  constexpr std::size_t most = 12;
+  if (points.size() > most)
+    return std::to_string(points.size()) + " points from " + frequency(points.front()) + " to " +
+           frequency(points.back()) + unit_text;
+  std::string text;
+  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + frequency(i);
+  return text + unit_text;
 }
 
 // Residuals over frequency with the band that holds 95 % of the noise.
@@ -98,6 +104,10 @@ class Validate : public Command {
         "--accuracy", accuracy_,
         "Systematic error that the instrument may have, as share of the response; departures within it are no fault",
         "SHARE");
+    o.number("--tolerance", tolerance_,
+             "of the points as a whole: what departs by less is named and does not make the data invalid");
+    o.flag("--all-points", all_points_,
+           "Judge every point of a long sweep, which can take a minute, and not one in so many of more than 300");
     o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the residuals", "FILE");
     add_common({"csv", "json", "table"});
     set_footer(
@@ -105,13 +115,16 @@ class Validate : public Command {
         "best sum of poles, their number told by evidence, is such a response; what it leaves must be noise.\n"
         "Verdicts: valid; suspect (outliers or mains, the other points are consistent); invalid (drift, step, or "
         "residuals\n"
-        "that follow each other); undecided (band, points or noise leave too little to judge by; exit code 1 if all "
-        "are).\n"
+        "that follow each other, by more than --tolerance); undecided (band, points or noise leave too little to judge "
+        "by;\n"
+        "exit code 1 if all are).  consistent_to is how far the points may depart from a consistent response, noise "
+        "included,\n"
+        "departs whether they do by more than noise explains.\n"
         "A response that depends on amplitude but stays the same during the sweep can pass.\n"
         "Examples:\n"
         "  fracfit validate cell.DTA --format table\n"
         "  fracfit validate sweep1.mpt sweep2.mpt --out validity.csv\n"
-        "  fracfit validate film.csv --accuracy 0.01\n"
+        "  fracfit validate film.csv --tolerance 0.03\n"
         "  fracfit validate cell.csv --picture residuals.svg");
   }
 
@@ -121,6 +134,8 @@ class Validate : public Command {
       throw std::invalid_argument("--level " + io::format_number(level_) + ": allowed is 1e-15 up to 1");
     if (!(accuracy_ >= 0 && accuracy_ < 1))
       throw std::invalid_argument("--accuracy " + io::format_number(accuracy_) + ": allowed is 0 up to 1");
+    if (!(tolerance_ >= 0 && tolerance_ < 1))
+      throw std::invalid_argument("--tolerance " + io::format_number(tolerance_) + ": allowed is 0 up to 1");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, files_);
@@ -151,7 +166,7 @@ class Validate : public Command {
         auto curves = read_curves(file, how_);
         for (const auto& note : notes_of(curves)) say(file + ": " + note);
         for (auto& curve : curves) {
-          auto result = frac::validate(curve.file.data, {level_, accuracy_});
+          auto result = frac::validate(curve.file.data, {level_, accuracy_, tolerance_, all_points_ ? 0 : most_points});
           std::string sentence = report::validity_sentence(result, curve.file);
           all.emplace_back(
               Judged{file, curve.name, std::move(curve.file.data), std::move(result), std::move(sentence)});
@@ -171,6 +186,7 @@ class Validate : public Command {
     Document document;
     document.head.emplace_back("level", io::format_number(level_));
     document.head.emplace_back("accuracy", io::format_number(accuracy_));
+    document.head.emplace_back("tolerance", io::format_number(tolerance_));
     auto& columns = document.rows.columns;
     columns = {"file",
                "curve",
@@ -195,7 +211,9 @@ class Validate : public Command {
                "step_above_rad_s",
                "largest_residual",
                "dead_time_s",
-               "reversed_sign"};
+               "reversed_sign",
+               "departs",
+               "consistent_to"};
     const auto first =
         std::find_if(all.begin(), all.end(), [](const Outcome& each) { return std::holds_alternative<Judged>(each); });
     for (const auto& finding : std::get<Judged>(*first).result.findings) {
@@ -250,7 +268,9 @@ class Validate : public Command {
                                result.step_above,
                                result.largest_residual,
                                result.dead_time,
-                               static_cast<std::int64_t>(result.reversed_sign)});
+                               static_cast<std::int64_t>(result.reversed_sign),
+                               static_cast<std::int64_t>(result.departs),
+                               result.consistent_to});
     for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
     cells.emplace_back(judged.sentence);
   }
@@ -288,6 +308,10 @@ class Validate : public Command {
   io::MeasurementOptions how_;
   double level_ = 0.05;
   double accuracy_ = frac::ValidationOptions{}.accuracy;
+  double tolerance_ = frac::ValidationOptions{}.tolerance;
+  // Judged in about two seconds at most.
+  static constexpr std::size_t most_points = 300;
+  bool all_points_ = false;
   std::string picture_;
   std::optional<report::PictureFile> drawing_;
 };

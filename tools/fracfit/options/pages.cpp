@@ -100,8 +100,9 @@ std::string command_help(const Command& command) {
       continue;
     }
     if (option.takes_argument()) {
-      usage += " [" + option.type() + "]";
-      arguments += entry(option.type(), "The same as " + option.name() + " " + option.type());
+      const std::string name = option.type() + (option.kind() == Option::Kind::list ? "..." : "");
+      usage += " [" + name + "]";
+      arguments += entry(name, "The same as " + option.name() + " " + option.type());
     }
     options += entry(heading_of(option) + required, option.description());
   }

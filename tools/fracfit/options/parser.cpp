@@ -64,19 +64,19 @@ struct Slot {
 };
 
 void add_slots(CLI::App& app, Option& option, std::deque<Slot>& slots) {
-  const auto add = [&](const std::string& names) {
+  const auto add = [&](const std::string& names, bool stands_alone) {
     Slot& slot = slots.emplace_back(Slot{&option, {}});
     if (option.kind() == Option::Kind::flag) {
       slot.flag = app.add_flag(names);
       return;
     }
     CLI::Option* added = app.add_option(names, slot.texts);
-    if (option.is_argument() && option.kind() == Option::Kind::list) return;
+    if (stands_alone && option.kind() == Option::Kind::list) return;
     // Takes one text each time; our own check refuses an option that is given twice.
     added->expected(1)->take_all()->allow_extra_args(false);
   };
-  add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name());
-  if (option.takes_argument()) add(option.type());
+  add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name(), option.is_argument());
+  if (option.takes_argument()) add(option.type(), true);
 }
 
 void check_extras(const Command& command, const std::vector<std::string>& extra) {

@@ -315,6 +315,8 @@ Json origin_of_fit(const FitRun& run) {
                         {"noise", run.validity->noise},
                         {"drift", run.validity->drift},
                         {"drift_deviation", run.validity->drift_deviation},
+                        {"departs", run.validity->departs},
+                        {"consistent_to", run.validity->consistent_to},
                         {"sentence", run.validity_sentence}};
   return json;
 }

@@ -35,7 +35,7 @@ struct SampledCurve {
 struct Sweep {
   std::string name;  // for the choice among several
   std::variant<TextLayout, SampledCurve> content;
-  /// Computed from another sweep of the file, and read only where it is asked for.
+  /// Computed from another sweep of the file, or of less interest, and read only where it is asked for.
   bool is_derived = false;
 };
 
@@ -45,6 +45,8 @@ struct Recognised {
   std::vector<Sweep> sweeps;
   std::vector<std::string> notes = {};  // what was left out or assumed
   std::string unit = {};                // of the values by the rules of the format, where the names give none
+  /// All columns of a table whose sweeps have some of them each: what --columns speaks of.
+  std::optional<TextLayout> whole = {};
 };
 
 /// A vector of a file of named ones.

@@ -119,9 +119,9 @@ Records records_in(const Source& source, LineReader& lines) {
   return records;
 }
 
-// "S21" of row 1 and column 0.
-std::string element_name(char parameter, std::size_t row, std::size_t column) {
-  return std::string(1, parameter) + std::to_string(row + 1) + std::to_string(column + 1);
+// "S21" of row 1 and column 0; "S1,13" of many ports, or (1,13) and (11,3) would have one name.
+std::string element_name(char parameter, std::size_t row, std::size_t column, std::size_t ports) {
+  return std::string(1, parameter) + std::to_string(row + 1) + (ports > 9 ? "," : "") + std::to_string(column + 1);
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ std::optional<Recognised> read_touchstone(const Source& source) {
     for (std::size_t column = 0; column < ports; ++column) {
       // Two-ports alone are written column by column.
       const std::size_t place = 1 + 2 * (ports == 2 ? column * 2 + row : row * ports + column);
-      SampledCurve curve{{}, {}, unit, element_name(settings->parameter, row, column)};
+      SampledCurve curve{{}, {}, unit, element_name(settings->parameter, row, column, ports)};
       for (std::size_t i = 0; i < count; ++i) {
         curve.omega.push_back(records[i][0] * turn);
         curve.value.push_back(scale * value_of(*settings, records[i][place], records[i][place + 1]));

@@ -156,7 +156,11 @@ class Reader {
       }
     }
     std::string_view end;
-    if (values.size() != wanted) fail(lines_.number(), "holds more values than its head declares");
+    // Some writers fill the last line with zeros.
+    if (std::any_of(values.begin() + static_cast<std::ptrdiff_t>(wanted), values.end(),
+                    [](double v) { return v != 0; }))
+      fail(lines_.number(), "holds more values than its head declares");
+    values.resize(wanted);
     if (next_filled(end) && trimmed(end) != "-1") fail(lines_.number(), "found " + quoted(end) + "; expected '-1'");
   }
 
@@ -180,12 +184,17 @@ class Reader {
       fail(lines_.number(), "declares " + std::to_string(form.bytes) + " bytes of values; the file has " +
                                 std::to_string(source_.bytes.size() - std::min(begin, source_.bytes.size())) +
                                 " more: it is cut off");
-    if (form.bytes != count * width)
+    // Values of eight bytes stand behind an abscissa of four or of eight.
+    const bool is_mixed = !numbers.is_even && width == 8 && form.bytes == count * width - 4 * numbers.points;
+    if (form.bytes != count * width && !is_mixed)
       fail(lines_.number(), "declares " + std::to_string(form.bytes) + " bytes of values; expected " +
                                 std::to_string(count * width) + " for " + std::to_string(numbers.points) + " points");
-    values.resize(count);
-    for (std::size_t i = 0; i < count; ++i)
-      values[i] = binary_number(source_.bytes.data() + begin + i * width, width, form.big_endian);
+    const char* at = source_.bytes.data() + begin;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t bytes = is_mixed && i % per_point(numbers) == 0 ? 4 : width;
+      values.push_back(binary_number(at, bytes, form.big_endian));
+      at += bytes;
+    }
     lines_.skip_to(begin + form.bytes);
     std::string_view end;
     if (next_filled(end) && trimmed(end) != "-1") fail(lines_.number(), "expected '-1' after the values");

@@ -46,6 +46,8 @@ struct TimesDistribution {
   std::vector<TimesPeak> peaks;
   std::size_t lines_left_off;              // of a formula: the shortest of a series of more than a thousand
   double constant, inductance, elastance;  // of data only, NaN of a formula
+  double constant_lower, constant_upper, inductance_lower, inductance_upper;  // see relaxation_times()
+  double elastance_lower, elastance_upper;
   double smoothness;       // of data only: weight of the roughness, that is of the squared second differences
   double misfit;           // of data only: rms of what the distribution leaves, relative to |Z| at each frequency
   double misfit_in_noise;  // of data only: rms of what it leaves of each part, in standard deviations of the noise
@@ -67,10 +69,11 @@ struct TimesDistribution {
 [[nodiscard]] TimesDistribution relaxation_times(const FitResult& fit, std::span<const double> tau, TimesKernel kernel);
 
 /// From data without a model: the density of least misfit and roughness that is nowhere negative, beside the three
-/// ends, none negative either, on 12 times per decade from 1.5 decades beyond the band.  The noise is that of
-/// validate(), the weight of the roughness that of the largest evidence, the roughness relative to the density.  Bands
-/// and intervals hold 95 % of the solutions of data and prior moved by their noise (Bardsley, Fox 2012): they are those
-/// of a density as smooth as the prior has it, and hold less of a line or of an arc that is nearly one
+/// ends, none negative either, on 12 times per decade from 1.5 decades beyond the band, where it only falls: a peak
+/// there would be a second constant (inductance, elastance), which data do not tell from the first.  The noise is that
+/// of validate(), the weight of the roughness that of the largest evidence, the roughness relative to the density.
+/// Bands and intervals hold 95 % of the solutions of data and prior moved by their noise (Bardsley, Fox 2012): they are
+/// those of a density as smooth as the prior has it, and hold less of a line or of an arc that is nearly one
 /// (tools/docs/times_coverage.md).
 /// @throws std::invalid_argument  fewer than 6 points, or all at one frequency
 [[nodiscard]] TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKernel kernel,

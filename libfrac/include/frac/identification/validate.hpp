@@ -13,9 +13,9 @@ namespace frac {
 
 /// Whether data can be the response of one linear, causal, stable system that stayed the same during the measurement.
 enum class Validity {
-  valid,      // nothing speaks against it
+  valid,      // nothing that matters speaks against it
   suspect,    // single points do: outliers or mains; the others are consistent
-  invalid,    // the points as a whole do: drift, or misses that follow each other
+  invalid,    // the points as a whole do, by more than matters: drift, or misses that follow each other
   undecided,  // band, points or noise leave too little to judge by
 };
 [[nodiscard]] std::string_view to_string(Validity validity);
@@ -28,7 +28,8 @@ enum class ValidityTest {
   drift_periods,   // the same, each point taking as many periods as the others
   step,            // the response scaled up or down from one point on
   outliers,        // the largest residual
-  mains_50,        // residuals within 2 % of 50 Hz, of its odd harmonics besides, or of its first ten
+  mains_50,        // residuals within 2 % of 50 Hz, of its odd harmonics besides, or of its first ten; where points are
+                   // dense, of the three nearest
   mains_60,
 };
 [[nodiscard]] std::string_view to_string(ValidityTest test);
@@ -44,6 +45,9 @@ struct ValidationOptions {
   /// Systematic error of the instrument as share of the response, >= 0: residuals that are no larger (root mean square
   /// of all, or each single one) are no fault.  Exact data of a fractional system are followed to some 1e-5.
   double accuracy = 1e-4;
+  /// Departures of the points as a whole that are significant but no larger, as share of the response, do not make the
+  /// data invalid, >= 0; see ValidationResult::consistent_to.
+  double tolerance = 1e-2;
   /// Of more points every k-th is judged, so that no more are left; 0: all are.
   std::size_t most_points = 0;
 };
@@ -63,9 +67,15 @@ inline constexpr std::size_t points_in_passing = 120;
 /// An amplitude-dependent but stationary response can be consistent: linearity is tested only as far as it shows here.
 struct ValidationResult {
   Validity validity;
-  double level, accuracy;  // as asked for
+  double level, accuracy, tolerance;  // as asked for
   std::vector<ValidityFinding> findings;
   double largest_residual;  // of the judged points, share of the model
+  /// Whether the points as a whole depart from every consistent response by more than noise explains.
+  bool departs;
+  /// How far they may depart, share of the response, noise included: the largest root mean square of the residuals over
+  /// a twelfth of the points, or a drift or step that explains them if that is larger.  NaN where nothing is
+  /// judged.
+  double consistent_to;
 
   std::size_t every = 1;                    // one point in so many was judged
   std::size_t real_poles, pole_pairs;       // of the consistent model
@@ -99,7 +109,7 @@ struct ValidationResult {
   [[nodiscard]] std::string summary() const;
 };
 
-/// @throws std::invalid_argument  level outside of (0, 1), or accuracy below 0 or not finite
+/// @throws std::invalid_argument  level outside of (0, 1), or accuracy or tolerance below 0 or not finite
 [[nodiscard]] ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options = {});
 
 }  // namespace frac

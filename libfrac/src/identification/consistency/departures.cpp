@@ -86,6 +86,10 @@ AddedColumn drift_of(const FrequencyResponseData& data, const Fitted& fitted, Va
   return added_column(fitted.model.rest, drift_column(data, fitted, law));
 }
 
+Eigen::Index neighbourhood(Eigen::Index points) {
+  return std::clamp<Eigen::Index>(points / 12, 3, 30);
+}
+
 std::size_t first_beyond(Eigen::Index step_column) {
   return static_cast<std::size_t>(step_column) + 2;
 }
@@ -93,11 +97,17 @@ std::size_t first_beyond(Eigen::Index step_column) {
 std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int highest, int step) {
   constexpr double width = 0.02;
   std::vector<Eigen::Index> found;
-  for (std::size_t i = 0; i < fitted.points.omega.size(); ++i) {
-    const double multiple = fitted.points.omega[i] / (2 * std::numbers::pi * mains);
-    const double nearest = std::round(multiple);
-    const bool is_meant = nearest >= 1 && nearest <= highest && (static_cast<int>(nearest) - 1) % step == 0;
-    if (is_meant && std::abs(multiple - nearest) <= width * nearest) found.push_back(static_cast<Eigen::Index>(i));
+  const std::vector<double>& omega = fitted.points.omega;
+  for (int harmonic = 1; harmonic <= highest; harmonic += step) {
+    const double line = 2 * std::numbers::pi * mains * harmonic;
+    const auto first = std::lower_bound(omega.begin(), omega.end(), (1 - width) * line);
+    const auto last = std::upper_bound(first, omega.end(), (1 + width) * line);
+    if (first == last) continue;
+    // A line is narrow: where points are dense, the nearest one and its neighbours show it.
+    const auto nearest =
+        std::min_element(first, last, [line](double a, double b) { return std::abs(a - line) < std::abs(b - line); });
+    for (auto at = nearest == first ? first : nearest - 1; at != last && at <= nearest + 1; ++at)
+      found.push_back(at - omega.begin());
   }
   return found;
 }
@@ -113,7 +123,7 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
   const std::array next{1.0};
   const auto short_range = correlation_test(rest, next);
   std::vector<double> wide;
-  const auto reach = std::clamp<std::size_t>(static_cast<std::size_t>(points) / 12, 3, 30);
+  const auto reach = static_cast<std::size_t>(neighbourhood(points));
   for (std::size_t l = 1; l <= reach; ++l) wide.push_back(1 - static_cast<double>(l) / static_cast<double>(reach + 1));
   const auto long_range = correlation_test(rest, wide);
   result.correlation = short_range.excess;

@@ -83,10 +83,11 @@ ValidationResult nothing_known(const ValidationOptions& options) {
   ValidationResult result{};
   result.level = options.level;
   result.accuracy = options.accuracy;
+  result.tolerance = options.tolerance;
   result.validity = Validity::undecided;
   result.noise = result.drift = result.drift_deviation = result.detectable_drift = nan;
   result.step = result.step_deviation = result.step_below = result.step_above = nan;
-  result.drift_share = result.step_share = result.largest_residual = nan;
+  result.drift_share = result.step_share = result.largest_residual = result.consistent_to = nan;
   return result;
 }
 
@@ -161,8 +162,36 @@ double detectable_drift(const FrequencyResponseData& data, const Judgement& judg
   return found * std::fmin(now.drift.deviation, other.deviation);
 }
 
+/// The largest root mean square of the relative residuals of neighbouring points, as many as share a neighbourhood.
+double largest_neighbourhood(const Fitted& fitted) {
+  const Eigen::Index points = fitted.points.value.size();
+  const Eigen::Index window = std::min(points, detail::neighbourhood(points));
+  double sum = 0, largest = 0;
+  for (Eigen::Index i = 0; i < points; ++i) {
+    sum += std::pow(detail::relative_residual(fitted, i), 2);
+    if (i >= window) sum -= std::pow(detail::relative_residual(fitted, i - window), 2);
+    if (i + 1 >= window) largest = std::max(largest, sum);
+  }
+  // Both parts of a point make one departure.
+  return std::sqrt(largest / static_cast<double>(window));
+}
+
+/// A drift or step counts where it explains what the residuals show: a phase that is wrong by a third of a degree
+/// everywhere looks like a drift of several percent that leaves a pattern.
+double consistent_to(const Fitted& fitted, const ValidationResult& result) {
+  double largest = largest_neighbourhood(fitted);
+  const auto alarmed = [&](ValidityTest test) {
+    return std::any_of(result.findings.begin(), result.findings.end(),
+                       [test](const auto& each) { return each.test == test && each.alarm; });
+  };
+  if (result.drift_explains && (alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods)))
+    largest = std::max(largest, std::abs(result.drift));
+  if (result.step_explains && alarmed(ValidityTest::step)) largest = std::max(largest, std::abs(result.step));
+  return largest;
+}
+
 Validity validity_of(const FrequencyResponseData& data, const Judgement& judgement, const ValidationResult& result) {
-  if (judgement.pattern(result.level))
+  if (result.departs && !(result.consistent_to <= result.tolerance))
     return is_left_open(data, result.reversed_sign) ? Validity::undecided : Validity::invalid;
   if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) return Validity::undecided;
   return judgement.of_points.empty() ? Validity::valid : Validity::suspect;
@@ -176,6 +205,8 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
     throw std::invalid_argument("level = " + detail::number_text(options.level) + "; allowed is 1e-15 up to 1");
   if (!(options.accuracy >= 0 && std::isfinite(options.accuracy)))
     throw std::invalid_argument("accuracy = " + detail::number_text(options.accuracy) + "; allowed is 0 or above");
+  if (!(options.tolerance >= 0 && std::isfinite(options.tolerance)))
+    throw std::invalid_argument("tolerance = " + detail::number_text(options.tolerance) + "; allowed is 0 or above");
   if (options.most_points > 0 && data.size() > options.most_points)
     return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
 
@@ -194,7 +225,9 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
   for (std::size_t k = 0; k < data.size(); ++k) result.model[k] *= std::polar(1.0, -data.omega()[k] * result.dead_time);
   describe_unsteadiness(judgement, result);
   result.detectable_drift = detectable_drift(timely.data, judgement, result);
-  result.reversed_sign = judgement.pattern(options.level) && sign_is_reversed(timely, options);
+  result.departs = judgement.pattern(options.level);
+  result.consistent_to = consistent_to(judgement.fitted, result);
+  result.reversed_sign = result.departs && sign_is_reversed(timely, options);
   result.validity = validity_of(data, judgement, result);
   return result;
 }

@@ -87,9 +87,7 @@ std::string on_unsteadiness(const ValidationResult& result, const Unsteady& is) 
                         : "");
   if (is.jumps) return "the response jumps by " + jump;
   if (is.drifts) return "the response drifts by " + drift;
-  return result.validity == Validity::invalid
-             ? "what the points leave looks like a drift or jump larger than the response itself"
-             : "";
+  return result.departs ? "what the points leave looks like a drift or jump larger than the response itself" : "";
 }
 
 /// All that was found, one after another; empty where nothing was.
@@ -106,7 +104,14 @@ std::string all_found(const ValidationResult& result, const Unsteady& is) {
   return all;
 }
 
-std::string of_valid_points(const ValidationResult& result) {
+/// Of departures that are significant but too small to matter.
+std::string of_small_departures(const ValidationResult& result) {
+  return "the points are consistent to " + percent(result.consistent_to) + ", within the " + percent(result.tolerance) +
+         " that matter";
+}
+
+std::string of_valid_points(const ValidationResult& result, const std::string& found) {
+  if (result.departs) return of_small_departures(result) + "; the rest is more than noise: " + found;
   const std::string text =
       "a linear, stable, steady system" +
       (result.dead_time > 0 ? " with a dead time of about " + detail::short_text(result.dead_time) + " s" : "") +
@@ -118,16 +123,22 @@ std::string of_valid_points(const ValidationResult& result) {
   return text + "; a drift above " + percent(result.detectable_drift) + " would have been seen";
 }
 
+std::string of_suspect_points(const ValidationResult& result, const std::string& found) {
+  if (result.departs) return found + "; but for single ones " + of_small_departures(result);
+  return found + "; the other points are consistent to within noise of " + percent(result.noise);
+}
+
 std::string of_invalid_points(const ValidationResult& result, const std::string& found) {
   if (result.reversed_sign)
     return "the sign of the imaginary part looks reversed: with the other sign a linear, stable, steady system "
            "explains the points, and as they are none does";
   return found + "; no linear, stable, steady system explains the points to within noise of " + percent(result.noise) +
-         ", " + percent(result.largest_residual) + " at most";
+         ", " + percent(result.largest_residual) + " at most; they are consistent to " + percent(result.consistent_to) +
+         " only";
 }
 
 std::string of_undecided_points(const ValidationResult& result, const Unsteady& is, const std::string& found) {
-  if (is.any() && !found.empty())
+  if (is.any() && !found.empty() && !(result.consistent_to <= result.tolerance))
     return found + "; over less than an octave, echoes that the points are too far apart to resolve do that too";
   return "band, points and noise leave too little to judge by (" + detail::short_text(result.freedom) +
          " degrees of freedom" +
@@ -143,9 +154,8 @@ std::string ValidationResult::summary() const {
   if (model.empty()) return "undecided: fewer than 6 points, or all at one frequency";
   const Unsteady is = unsteady(*this);
   const std::string found = all_found(*this, is);
-  const std::string said = validity == Validity::valid ? of_valid_points(*this)
-                           : validity == Validity::suspect
-                               ? found + "; the other points are consistent to within noise of " + percent(noise)
+  const std::string said = validity == Validity::valid     ? of_valid_points(*this, found)
+                           : validity == Validity::suspect ? of_suspect_points(*this, found)
                            : validity == Validity::invalid ? of_invalid_points(*this, found)
                                                            : of_undecided_points(*this, is, found);
   return std::string(to_string(validity)) + (every > 1 ? " by one point in " + std::to_string(every) : "") + ": " +

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -42,6 +43,12 @@ void require_function_of_s(const Structure& structure) {
   const auto& roles = structure.parameter_roles();
   if (std::find(roles.begin(), roles.end(), ParameterRole::order) != roles.end()) {
     refuse(structure, "there is no s in it, so that it is a constant, and an order has no meaning; the variable is s");
+  }
+  const std::size_t count = structure.parameter_names().size();
+  // A sum of resistances is meant; a product of two names is mostly that of a preset, misspelt.
+  if (count > 1 && structure.formula().find('+') == std::string::npos) {
+    refuse(structure, "there is no s in it, so that its " + std::to_string(count) +
+                          " parameters make one constant, which does not tell them apart; the variable is s");
   }
 }
 

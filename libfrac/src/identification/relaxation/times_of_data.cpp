@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -35,7 +37,17 @@ struct Equations {
   Eigen::VectorXd target;
   Eigen::VectorXd relative;   // what turns a weighted residual into one relative to the response
   Eigen::MatrixXd roughness;  // second differences, the density being 0 beyond the times
+  Eigen::MatrixXd shape;      // the density is shape times unknowns, none of them negative
 };
+
+/// Beyond the band the density only falls: what the unknowns add holds from a time on to that end of the band.  A peak
+/// there would be one more constant (or inductance, or elastance), which the data do not tell from it.
+Eigen::MatrixXd falling_beyond(Eigen::Index times, Eigen::Index first_seen, Eigen::Index last_seen) {
+  Eigen::MatrixXd shape = Eigen::MatrixXd::Identity(times, times);
+  for (Eigen::Index k = 0; k < first_seen; ++k) shape.col(k).segment(k, first_seen - k + 1).setOnes();
+  for (Eigen::Index k = last_seen + 1; k < times; ++k) shape.col(k).segment(last_seen, k - last_seen + 1).setOnes();
+  return shape;
+}
 
 Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   const ValidationResult noise = validate(data);
@@ -93,6 +105,10 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
       if (i + shift >= 0 && i + shift < times) made.roughness(i, ends + i + shift) = weight / (spacing * spacing);
   // The squares are summed over ln tau.
   made.roughness *= std::sqrt(spacing);
+  made.shape =
+      falling_beyond(times, static_cast<Eigen::Index>(made.first_seen), static_cast<Eigen::Index>(made.last_seen));
+  for (Eigen::MatrixXd* of_density : {&made.columns, &made.roughness})
+    of_density->rightCols(times) = (of_density->rightCols(times) * made.shape).eval();
   return made;
 }
 
@@ -180,56 +196,94 @@ double quantile(std::vector<double> values, double share) {
   return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
-std::vector<double> density_of(const Equations& of, const Eigen::VectorXd& x) {
-  const auto density = x.tail(static_cast<Eigen::Index>(of.log_tau.size()));
-  return {density.begin(), density.end()};
+/// A density and its ends.
+struct Found {
+  std::vector<double> density;
+  std::array<double, ends> end;  // constant, inductance, elastance
+};
+
+Found found_of(const Equations& of, const Eigen::VectorXd& x) {
+  const Eigen::VectorXd density = of.shape * x.tail(of.shape.cols());
+  Found found{{density.begin(), density.end()}, {}};
+  for (Eigen::Index i = 0; i < ends; ++i) found.end[static_cast<std::size_t>(i)] = x(i) * of.end_scale(i);
+  return found;
 }
 
-/// Densities that the data, with other noise, and the prior allow as well.
-std::vector<std::vector<double>> drawn_densities(const Equations& of, const Solution& of_data, std::uint64_t seed) {
+/// What the data, with other noise, and the prior allow as well.
+std::vector<Found> drawn_solutions(const Equations& of, const Solution& of_data, std::uint64_t seed) {
   constexpr std::size_t samples = 100;
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal_draw;
-  std::vector<std::vector<double>> drawn;
+  std::vector<Found> drawn;
   for (std::size_t k = 0; k < samples; ++k) {
     Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
     for (double& each : moved) each += normal_draw(engine);
     for (double& each : prior) each = std::sqrt(of_data.smoothness.best) * normal_draw(engine);
     std::vector<bool> guess = of_data.free;
-    drawn.push_back(density_of(
+    drawn.push_back(found_of(
         of, detail::nonnegative_minimum(
                 of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess)));
   }
   return drawn;
 }
 
-/// Densities of the weights of roughness that the evidence hardly tells from the best.
-std::vector<std::vector<double>> densities_of_other_weights(const Equations& of, const Eigen::MatrixXd& normal,
-                                                            const Solution& of_data) {
+/// Standard deviation of an unknown by data and prior, those at 0 held there.  The prior of a density that may not be
+/// negative draws mass into the tails, which an end would pay for: solutions drawn from it lie to one side.
+double deviation_of(const Solution& solved, Eigen::Index which) {
+  std::vector<Eigen::Index> free;
+  Eigen::Index place = -1;
+  for (Eigen::Index i = 0; i < solved.x.size(); ++i) {
+    if (i == which) place = static_cast<Eigen::Index>(free.size());
+    if (i == which || solved.free[static_cast<std::size_t>(i)]) free.push_back(i);
+  }
+  const Eigen::MatrixXd part = solved.hessian(free, free);
+  const Eigen::VectorXd unit = Eigen::VectorXd::Unit(part.rows(), place);
+  const Eigen::VectorXd column = detail::CholeskyFactor(part).solve(unit);
+  return std::sqrt(column(place));
+}
+
+/// With the weights of roughness that the evidence hardly tells from the best.
+std::vector<Found> solutions_of_other_weights(const Equations& of, const Eigen::MatrixXd& normal,
+                                              const Solution& of_data) {
   const Eigen::MatrixXd rough = of_data.roughness.transpose() * of_data.roughness;
-  std::vector<std::vector<double>> result;
+  std::vector<Found> result;
   for (const double smoothness : {of_data.smoothness.least, of_data.smoothness.most}) {
     std::vector<bool> guess = of_data.free;
-    result.push_back(density_of(of, detail::nonnegative_minimum(hessian_of(normal, rough, smoothness),
-                                                                of.columns.transpose() * of.target, guess)));
+    result.push_back(found_of(of, detail::nonnegative_minimum(hessian_of(normal, rough, smoothness),
+                                                              of.columns.transpose() * of.target, guess)));
   }
   return result;
 }
 
-/// 95 % of some values, with the side to which smoothing has lost something reaching as much further.
-std::pair<double, double> widened_range(const std::vector<double>& values, const std::vector<double>& losses) {
-  std::pair<double, double> range(quantile(values, low), quantile(values, high));
+/// A range, with the side to which smoothing has lost something reaching as much further.
+std::pair<double, double> widened(std::pair<double, double> range, const std::vector<double>& losses) {
   for (const double lost : losses) (lost > 0 ? range.second : range.first) += lost;
   range.first = std::max(range.first, 0.0);
   return range;
 }
 
+/// 95 % of some values.
+std::pair<double, double> middle_of(const std::vector<double>& values) {
+  return {quantile(values, low), quantile(values, high)};
+}
+
+// Found by trial (seeds 20001 to 20060 of tests/benchmarks/times_coverage): what the choice of a prior leaves open.
+constexpr double of_prior = 1.4;
+
+/// The range of an area or an end.
+/// @param losses  by smoothing, and to other weights of roughness
+std::pair<double, double> range_of(double found, const std::pair<double, double>& by_noise,
+                                   const std::vector<double>& losses) {
+  const auto [lower, upper] = widened(by_noise, losses);
+  return {std::max(found - of_prior * (found - std::min(lower, found)), 0.0),
+          found + of_prior * (std::max(upper, found) - found)};
+}
+
 /// The peaks of a density with the ranges in which those of the drawn ones lie.
-/// @param again  the density as smoothing makes it from its own response
-/// @param others  densities of other weights of roughness; areas reach as far as theirs
-std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& found,
-                                const std::vector<std::vector<double>>& drawn, const std::vector<double>& again,
-                                const std::vector<std::vector<double>>& others) {
+/// @param again  the solution as smoothing makes it from its own response
+/// @param others  solutions of other weights of roughness; areas reach as far as theirs
+std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& found, const std::vector<Found>& drawn,
+                                const Found& again, const std::vector<Found>& others) {
   auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(found.density), found.density, found.lower, found.upper), of.log_tau,
       found.density);
@@ -242,7 +296,8 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
   std::vector<TimesPeak> peaks;
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     std::vector<double> place, area;
-    for (const auto& each : drawn) {
+    for (const auto& solution : drawn) {
+      const std::vector<double>& each = solution.density;
       // Where a minimum lies is as uncertain as the density: each solution has its own.
       const auto minimum_between = [&](std::size_t from, std::size_t to) {
         const auto first = each.begin() + static_cast<std::ptrdiff_t>(from);
@@ -256,20 +311,17 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
       area.push_back(area_of(each, range));
     }
     const double found_area = area_of(found.density, ranges[i]);
-    std::vector<double> losses{found_area - area_of(again, ranges[i])};
-    for (const auto& other : others) losses.push_back(area_of(other, ranges[i]) - found_area);
-    const auto [lower, upper] = widened_range(area, losses);
-    // Found by trial (seeds 20001 to 20060 of tests/benchmarks/times_coverage): what the choice of a prior leaves open.
-    constexpr double of_prior = 1.4;
+    std::vector<double> losses{found_area - area_of(again.density, ranges[i])};
+    for (const auto& other : others) losses.push_back(area_of(other.density, ranges[i]) - found_area);
+    const auto [lower, upper] = range_of(found_area, middle_of(area), losses);
     // Two nodes in place of a time between them spread it by a variance of up to a quarter of their distance squared,
     // and the response takes such a spread for a time off by as much.
     const std::size_t top = ranges[i].top;
     const double step = of.log_tau[top + 1] - of.log_tau[top];
     const double of_grid = detail::is_narrow(found.density, top) ? step * step / 4 : 0;
     peaks.push_back({std::exp(detail::peak_place(of.log_tau, found.density, ranges[i])), found_area,
-                     std::exp(quantile(place, low) - of_grid), std::exp(quantile(place, high) + of_grid),
-                     std::max(found_area - of_prior * (found_area - std::min(lower, found_area)), 0.0),
-                     found_area + of_prior * (std::max(upper, found_area) - found_area)});
+                     std::exp(quantile(place, low) - of_grid), std::exp(quantile(place, high) + of_grid), lower,
+                     upper});
   }
   return peaks;
 }
@@ -287,8 +339,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   Solution of_data = solution(of, normal, of.roughness);
   constexpr int rounds = 3;  // the scale of the density settles
   for (int round = 0; round < rounds; ++round)
-    of_data =
-        solution(of, normal, relative_roughness(of, of_data.x.tail(static_cast<Eigen::Index>(of.log_tau.size()))));
+    of_data = solution(of, normal, relative_roughness(of, of.shape * of_data.x.tail(of.shape.cols())));
   const Eigen::VectorXd& best = of_data.x;
 
   TimesDistribution result{};
@@ -299,24 +350,35 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   result.misfit_in_noise = std::sqrt(left.squaredNorm() / rows);
   // Both parts of a point make one departure.
   result.misfit = std::sqrt(left.cwiseProduct(of.relative).squaredNorm() / (rows / 2));
-  result.constant = best(0) * of.end_scale(0);
-  result.inductance = best(1) * of.end_scale(1);
-  result.elastance = best(2) * of.end_scale(2);
+  const Found found = found_of(of, best);
   for (const double each : of.log_tau) result.tau.push_back(std::exp(each));
-  result.density = density_of(of, best);
-  const std::vector<std::vector<double>> drawn = drawn_densities(of, of_data, seed);
+  result.density = found.density;
+  const std::vector<Found> drawn = drawn_solutions(of, of_data, seed);
+  const std::vector<Found> others = solutions_of_other_weights(of, normal, of_data);
   // What smoothing takes from the density itself shows in what it takes from its own result: the density found anew
   // from the response of the one that was found.
   std::vector<bool> guess = of_data.free;
-  const std::vector<double> again = density_of(of, detail::nonnegative_minimum(of_data.hessian, normal * best, guess));
+  const Found again = found_of(of, detail::nonnegative_minimum(of_data.hessian, normal * best, guess));
   for (std::size_t j = 0; j < result.density.size(); ++j) {
     std::vector<double> values;
-    for (const auto& each : drawn) values.push_back(each[j]);
-    const auto [lower, upper] = widened_range(values, {result.density[j] - again[j]});
+    for (const auto& each : drawn) values.push_back(each.density[j]);
+    const auto [lower, upper] = widened(middle_of(values), {result.density[j] - again.density[j]});
     result.lower.push_back(lower);
     result.upper.push_back(upper);
   }
-  result.peaks = peaks_of(of, result, drawn, again, densities_of_other_weights(of, normal, of_data));
+  result.peaks = peaks_of(of, result, drawn, again, others);
+  const auto range_of_end = [&](std::size_t i) {
+    const double deviation =
+        of.end_scale(static_cast<Eigen::Index>(i)) * deviation_of(of_data, static_cast<Eigen::Index>(i));
+    constexpr double normal_95 = 1.96;
+    std::vector<double> losses{found.end[i] - again.end[i]};
+    for (const auto& other : others) losses.push_back(other.end[i] - found.end[i]);
+    return range_of(found.end[i], {found.end[i] - normal_95 * deviation, found.end[i] + normal_95 * deviation}, losses);
+  };
+  std::tie(result.constant, result.inductance, result.elastance) = std::tie(found.end[0], found.end[1], found.end[2]);
+  std::tie(result.constant_lower, result.constant_upper) = range_of_end(0);
+  std::tie(result.inductance_lower, result.inductance_upper) = range_of_end(1);
+  std::tie(result.elastance_lower, result.elastance_upper) = range_of_end(2);
   return result;
 }
 

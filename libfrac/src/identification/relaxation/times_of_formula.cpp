@@ -185,6 +185,8 @@ class ExactTimes {
     TimesDistribution result{};
     result.kernel = kernel_;
     result.constant = result.inductance = result.elastance = result.smoothness = nan;
+    result.constant_lower = result.constant_upper = result.inductance_lower = result.inductance_upper = nan;
+    result.elastance_lower = result.elastance_upper = nan;
     result.misfit = result.misfit_in_noise = nan;
     const Parts parts = parts_of(values);
     for (const double each : shown_) result.tau.push_back(std::exp(each));
