@@ -610,7 +610,7 @@ def fit(  # type: ignore[misc]
     """
     if structure is not None or _is_values(model):
         data, model = data_of(data, model), structure
-    else:
+    elif type(data) is not FrequencyResponse:
         data = data_of(data)
     if (model is None) == (grow is None):
         raise ValueError(
@@ -641,7 +641,7 @@ def fit(  # type: ignore[misc]
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
     _refuse_idle(data, options, fit)
-    definitions = texts(derive, "derive")
+    definitions = texts(derive, "derive") if derive != () else ()
     if isinstance(data, TimeSeries):
         result = FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
     else:
@@ -1332,7 +1332,7 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
 
 def _by_name(given: Any, what: str, expected: str) -> Any:
     """Texts of the command line, NAME=VALUE, as a mapping."""
-    if isinstance(given, Mapping) or not given:
+    if given is None or isinstance(given, (dict, Mapping)):
         return given
     texts = [given] if isinstance(given, str) else given
     if not isinstance(texts, (list, tuple)) or not all(isinstance(each, str) for each in texts):
