@@ -323,6 +323,7 @@ std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vect
     const CompliantScene& scene = scenes[i];
     const std::string which = scenes.size() == 1 ? "" : " of scene " + std::to_string(i);
     detail::require_positive("force_amplitude" + which, "N", scene.force_amplitude);
+    detail::require_followed(scene.bodies, omega.front());
     sweeps.push_back({scene.bodies.system(), scene.force_amplitude, options, {}});
     sweeps.back().points.resize(omega.size());
   }
