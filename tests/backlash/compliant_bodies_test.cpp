@@ -170,6 +170,18 @@ TEST(CompliantBodies, TakeFromTheForceWhatContactsAndFrictionCost) {
   EXPECT_GT(orbits, 60);
 }
 
+// The damping of a heavily damped contact stops the bodies within a time of m/c, long before the force turns.
+TEST(CompliantBodies, KeepEnergyWhereDampingStopsThemAtOnce) {
+  Machine m;
+  for (const double damping : {1e3, 1e5, 1e7}) {
+    m.damping = damping;
+    const DescribingFunctionPoint point = point_of(m, Protocol::two_impact);
+    EXPECT_GT(point.impacts_per_period, 0);
+    // The speed is rounded at 1e-16 of the sizes of states, and the damping multiplies it.
+    EXPECT_LT(point.energy_defect, 1e-12 + 1e-16 * damping) << damping;
+  }
+}
+
 // A load that only the contact moves takes energy from it, and gives it to friction alone.
 TEST(CompliantBodies, AreDrivenNeverDrivers) {
   support::Random random(7);
@@ -420,6 +432,14 @@ TEST(CompliantBodies, RefuseWhatTheyCannotBe) {
       },
       {"friction1 is -1", "not negative"});
   expect_invalid_argument([&] { CompliantBodies(free, free, 1, contact, {0, NAN}); }, {"friction2 is nan"});
+  const CompliantBodies fast(free, free, 1, CompliantContact(1e13, 20));
+  const CompliantBodies damped(free, free, 1, CompliantContact(1, 1e10));
+  for (const auto* each : {&fast, &damped})
+    expect_invalid_argument(
+        [&] {
+          (void)backlash::bodies_describing_function(*each, 1, {1, 2}, {});
+        },
+        {"contact_stiffness is ", "contact_damping ", "at most 1e6 times omega = 1"});
   const CompliantBodies bodies(free, free, 1, contact);
   expect_invalid_argument([&] { (void)backlash::bodies_describing_function(bodies, 0, {1}, {}); }, {"force_amplitude"});
   expect_invalid_argument([&] { (void)backlash::bodies_describing_function(bodies, 1, {2, 1}, {}); }, {"omega[1]"});

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <utility>
+
+#include "base/check.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -20,6 +23,17 @@ bool ignores_place(const std::optional<PlacedOperator>& memory) {
 }
 
 }  // namespace
+
+void require_followed(const CompliantBodies& bodies, double omega) {
+  constexpr double fastest = 1e6, shortest = 1e9;
+  const FreeContact free = free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2());
+  const double ratio = free.frequency / omega;
+  if (ratio <= fastest && 2 * free.damping_ratio * ratio <= shortest) return;
+  throw std::invalid_argument(
+      "contact_stiffness is " + text(bodies.contact().stiffness()) + " N/m and contact_damping " +
+      text(bodies.contact().damping()) + " N s/m; sqrt(k/m) must be at most 1e6 times omega = " + text(omega) +
+      " rad/s, and c/m 1e9 times: such contacts take no time, and a restitution describes them");
+}
 
 CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& force, Output output, double tolerance,
                              int harmonics)

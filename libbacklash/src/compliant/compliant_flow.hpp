@@ -28,6 +28,11 @@ struct CompliantMode {
   bool operator==(const CompliantMode&) const = default;
 };
 
+/// Gap and speeds are rounded before stiffness and damping multiply them: between contacts that are faster than this
+/// only rounding would be left of the forces, and a restitution, to which they tend in first order, is as good.
+/// @throws std::invalid_argument  sqrt(k/m) above 10^6 omega, or c/m above 10^9 omega.
+void require_followed(const CompliantBodies& bodies, double omega);
+
 /// The bodies as z' = A z, one A for each combination of contact and sliding: z holds gap and its rate, position and
 /// velocity of body 1, cos and sin of the force's angle, 1, what friction and springs remember, and W' = j k omega W +
 /// v for the harmonics k asked for.

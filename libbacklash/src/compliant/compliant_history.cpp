@@ -84,6 +84,7 @@ CompliantHistory compliant_history(const CompliantBodies& bodies, double force_a
   constexpr double most_rows = 1e7, fractional_tolerance = 1e-9;
   detail::require_positive("force_amplitude", "N", force_amplitude);
   detail::require_positive("omega", "rad/s", omega);
+  detail::require_followed(bodies, omega);
   for (const auto& [quantity, value] : {std::pair{"start x1", start.x1}, std::pair{"start v1", start.v1},
                                         std::pair{"start x2", start.x2}, std::pair{"start v2", start.v2}})
     require_finite(quantity, value);

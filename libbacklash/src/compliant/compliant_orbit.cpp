@@ -110,33 +110,35 @@ CompliantReading read_orbit(const CompliantOrbit& orbit, const CompliantBodies& 
   state.head(common) = orbit.state;
   CompliantRun run(flow, state, orbit.mode);
   CompliantReading reading{};
-  run.visit_pieces([&](const CompliantFlow::Regime& regime, const CompliantMode& mode, const FlightPath& path,
-                       double length) {
-    const CompliantFlow::Body& load = regime.bodies[0];
-    const CompliantFlow::Body& drive = regime.bodies[1];
-    const double fastest = free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2()).frequency;
-    const int parts = mode.contact != 0 ? 1 + static_cast<int>(fastest * length) : 1;
-    for (int i = 0; i < parts; ++i) {
-      const double from = length * i / parts;
-      const auto over = [&](const auto& integrand) {
-        return integral(length / parts, [&](double t) { return integrand(path.state(from + t)); });
-      };
-      reading.work += over([&](const Eigen::VectorXd& z) {
-        return force.amplitude * z[CompliantFlow::cosine] * drive.velocity.row.dot(z);
+  run.visit_pieces(
+      [&](const CompliantFlow::Regime& regime, const CompliantMode& mode, const FlightPath& path, double length) {
+        const CompliantFlow::Body& load = regime.bodies[0];
+        const CompliantFlow::Body& drive = regime.bodies[1];
+        // A contact that rings is integrated radian by radian; what decays at the rate c/m at its start, from there on
+        // in parts that double.
+        const FreeContact free = free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2());
+        const double radian = mode.contact == 0 ? length : 1 / (free.frequency * std::max(1.0, 2 * free.damping_ratio));
+        for (double from = 0, to = 0; to < length; from = to) {
+          to = std::min(length, free.damping_ratio < 1 ? from + radian : std::max(2 * from, radian));
+          const auto over = [&](const auto& integrand) {
+            return integral(to - from, [&](double t) { return integrand(path.state(from + t)); });
+          };
+          reading.work += over([&](const Eigen::VectorXd& z) {
+            return force.amplitude * z[CompliantFlow::cosine] * drive.velocity.row.dot(z);
+          });
+          reading.moved += over([&](const Eigen::VectorXd& z) {
+            return std::abs(force.amplitude * z[CompliantFlow::cosine] * drive.velocity.row.dot(z));
+          });
+          reading.loss += over([&](const Eigen::VectorXd& z) {
+            const double speed1 = load.velocity.row.dot(z), speed2 = drive.velocity.row.dot(z);
+            double power = load.resisted.dot(z) * speed1 + drive.resisted.dot(z) * speed2;
+            power += flow.friction(0) * mode.slide[0] * speed1 + flow.friction(1) * mode.slide[1] * speed2;
+            if (mode.contact != 0)
+              power += flow.press(regime, mode.contact).row.dot(z) * mode.contact * z[CompliantFlow::rate];
+            return power;
+          });
+        }
       });
-      reading.moved += over([&](const Eigen::VectorXd& z) {
-        return std::abs(force.amplitude * z[CompliantFlow::cosine] * drive.velocity.row.dot(z));
-      });
-      reading.loss += over([&](const Eigen::VectorXd& z) {
-        const double speed1 = load.velocity.row.dot(z), speed2 = drive.velocity.row.dot(z);
-        double power = load.resisted.dot(z) * speed1 + drive.resisted.dot(z) * speed2;
-        power += flow.friction(0) * mode.slide[0] * speed1 + flow.friction(1) * mode.slide[1] * speed2;
-        if (mode.contact != 0)
-          power += flow.press(regime, mode.contact).row.dot(z) * mode.contact * z[CompliantFlow::rate];
-        return power;
-      });
-    }
-  });
   run.follow(orbit.periods);
   reading.is_symmetric = orbit.periods == 1 && mirrors_itself(flow, state, orbit.mode);
   const std::vector<std::complex<double>>& velocity = run.phasors();

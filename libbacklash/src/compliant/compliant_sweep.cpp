@@ -43,6 +43,7 @@ constexpr double near_return = 1e-3;
 struct Peak {
   Eigen::VectorXd state;  // those that repeat
   std::int64_t contacts;  // until then
+  bool is_in_contact;     // there
   Complex phasor;         // of that period, m/N
 };
 
@@ -80,7 +81,8 @@ class Point {
     const auto ended = [&](const DescribingFunctionPoint& point) { return Reached{point, run.state(), run.mode()}; };
     while (peaks_.size() < transient + window) {
       if (!run.follow(1)) break;
-      peaks_.push_back({repeating(run.state()), run.contacts(), position(run.phasors().front())});
+      peaks_.push_back(
+          {repeating(run.state()), run.contacts(), run.mode().contact != 0, position(run.phasors().front())});
       if (is_quiet()) return ended(quiet());
       if (is_known()) break;
       if (peaks_.size() < wait_until || peaks_.size() % look_interval != 0) continue;
@@ -118,7 +120,7 @@ class Point {
   }
 
   [[nodiscard]] bool is_quiet() const {
-    return peaks_.size() > quiet_periods && back(0).contacts == back(quiet_periods).contacts;
+    return peaks_.size() > quiet_periods && back(0).contacts == back(quiet_periods).contacts && !back(0).is_in_contact;
   }
 
   // Without contacts body 1 comes to rest; body 2 moves as its own receptance and dry friction let it.
@@ -323,6 +325,7 @@ std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vect
     const CompliantScene& scene = scenes[i];
     const std::string which = scenes.size() == 1 ? "" : " of scene " + std::to_string(i);
     detail::require_positive("force_amplitude" + which, "N", scene.force_amplitude);
+    detail::require_followed(scene.bodies, omega.front());
     sweeps.push_back({scene.bodies.system(), scene.force_amplitude, options, {}});
     sweeps.back().points.resize(omega.size());
   }

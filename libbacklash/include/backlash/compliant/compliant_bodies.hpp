@@ -49,15 +49,17 @@ class CompliantBodies {
 /// product of the flights' and of the jumps at events; the rest is a mean with its 95 % half width.  Exact but for
 /// rounding without fractional powers, else to 1e-9 of these.
 /// Protocol::two_impact takes of free bodies the symmetric orbit of two contacts where it attracts, in closed form but
-/// for three unknowns; else it tries the orbit of one period nearest to the state carried, then to that of hard contacts.
-/// Regime::symmetric is an orbit of one period whose halves mirror each other, whatever its contacts;
+/// for three unknowns; else it tries the orbit of one period nearest to the state carried, then to that of hard
+/// contacts. Regime::symmetric is an orbit of one period whose halves mirror each other, whatever its contacts;
 /// impacts_per_period counts contacts; energy_defect is the work of the force less what contacts and friction take,
 /// over the energy that the force gives and takes back.  A phasor is that of the velocity over j omega, so that a body
 /// may drift. `options.tolerance` is not used: closed orbits are solved to rounding.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, positive, strictly rising, not empty
 /// @return `system` has the restitution of a free contact
-/// @throws std::invalid_argument  naming the quantity, its value, index and what is allowed.
+/// @throws std::invalid_argument  naming the quantity, its value, index and what is allowed; contacts more than 10^6
+/// times
+///                                as fast as the force, or with c/m above 10^9 times.
 [[nodiscard]] DescribingFunctionSweep bodies_describing_function(const CompliantBodies& bodies, double force_amplitude,
                                                                  const std::vector<double>& omega,
                                                                  const SweepOptions& options);

@@ -52,7 +52,8 @@ struct CompliantHistory {
 /// @param skip             force periods to follow before the first row, >= 0; times count from the first row
 /// @param periods          of the force, > 0
 /// @param samples          per period, >= 1; together at most 1e7
-/// @throws std::invalid_argument  naming the quantity, its value and what is allowed.
+/// @throws std::invalid_argument  naming the quantity, its value and what is allowed; contacts as fast as
+///                                bodies_describing_function() refuses.
 [[nodiscard]] CompliantHistory compliant_history(const CompliantBodies& bodies, double force_amplitude, double omega,
                                                  const LoopStart& start, int skip, int periods, int samples);
 
