@@ -61,8 +61,8 @@ void find_zeros(const TextLayout& layout, std::vector<Pair>& pairs) {
     split_by(trimmed(line), layout.separator, fields);
     for (Pair& pair : pairs)
       for (const std::size_t column : {*pair.real, *pair.imaginary}) {
-        const auto value = column < fields.size() ? parse_number(fields[column]) : std::nullopt;
-        pair.is_zero = pair.is_zero && (!value || *value == 0 || std::isnan(*value));
+        const double value = column < fields.size() ? parse_number(fields[column]).value_or(0) : 0;
+        pair.is_zero = pair.is_zero && !(std::abs(value) > 0);
       }
   }
 }
