@@ -359,6 +359,30 @@ TEST(Excitation, IsRecognised) {
   EXPECT_EQ(kind(sampled(2000, [](double t) { return 3 + std::sin(0.1 * t); })), Excitation::stepped_sine);
 }
 
+// Every kind of excitation in as few samples as a record may have, and of few samples per cycle, ends without a value
+// or with one, never in between.
+TEST(Response, ShortRecordsGiveNothingOrADeviation) {
+  const auto expect_whole = [](const frac::ResponseEstimate& found) {
+    for (const auto& point : found.outputs[0]) EXPECT_TRUE(std::isfinite(point.sigma) != !point.flag.empty());
+  };
+  std::mt19937_64 generator(7);
+  std::normal_distribution<double> normal;
+  for (const std::size_t count : {16U, 17U, 31U, 64U})
+    for (const double cycle : {2.0, 2.5, 3.0, 4.0, 5.3, 8.0})
+      for (const double noise : {0.0, 0.1, 10.0}) {
+        const auto input =
+            sampled(count, [&](double t) { return std::cos(2 * pi * t / cycle + 0.3) + noise * normal(generator); });
+        const Record record(1, input, {input});
+        for (const auto kind : {Excitation::periodic, Excitation::stepped_sine, Excitation::arbitrary}) {
+          ResponseOptions options;
+          options.excitation = kind;
+          if (kind == Excitation::periodic) options.period = std::min(4 * cycle, static_cast<double>(count) / 2);
+          expect_whole(frac::response({record}, options));
+        }
+        expect_whole(frac::response({record}));
+      }
+}
+
 TEST(Clipping, IsSaidOfSignalsThatStayAtALimit) {
   const auto sine = sampled(5000, [](double t) { return std::sin(0.0377 * t); });
   const auto at_most = [&](double limit, double step) {

@@ -142,29 +142,38 @@ double step_of(const std::string& file, const std::vector<double>& time, double 
                std::vector<std::string>& notes) {
   if (time.size() < 2)
     throw DataError(file, 0, 0, "found " + std::to_string(time.size()) + " samples; expected at least 16");
-  const auto steps = static_cast<double>(time.size() - 1);
-  const double step = (time.back() - time.front()) / steps;
-  double squares = 0, longest = 0;
-  std::size_t at = 1;
+  std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) {
     if (!(time[i] > time[i - 1]))
       throw DataError(file, 0, 0,
                       "sample " + std::to_string(i + 1) + " has the time " + format_number(time[i]) + " after " +
                           format_number(time[i - 1]) + "; expected times that rise");
-    if (time[i] - time[i - 1] > longest) {
-      longest = time[i] - time[i - 1];
-      at = i;
-    }
+    steps.push_back(time[i] - time[i - 1]);
+  }
+  const auto longest = std::max_element(steps.begin(), steps.end());
+  const std::string gap_before = std::to_string(longest - steps.begin() + 2);
+  const double longest_step = *longest;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  // A missing sample makes a step of two.
+  constexpr double most_steps = 1.5;
+  if (longest_step > most_steps * *middle)
+    throw DataError(file, 0, 0,
+                    "a gap of " + format_number(std::round(100 * longest_step / *middle) / 100) + " steps of " +
+                        format_number(*middle * seconds) + " s stands before sample " + gap_before +
+                        "; expected equal steps, or a file for each side of the gap");
+  const double step = (time.back() - time.front()) / static_cast<double>(steps.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
     const double late = (time[i] - time.front()) / step - static_cast<double>(i);
     squares += late * late;
     if (std::abs(late) > 0.5)
       throw DataError(file, 0, 0,
                       "sample " + std::to_string(i + 1) + " is " + format_number(std::round(1000 * late) / 1000) +
-                          " steps off equal steps of " + format_number(step * seconds) + " s; the longest step is " +
-                          format_number((time[at] - time[at - 1]) / step) + " of them, before sample " +
-                          std::to_string(at + 1) + "; expected equal steps without gaps, or --sample-time");
+                          " steps of " + format_number(step * seconds) +
+                          " s off its place: the clock drifts; expected equal steps, or --sample-time");
   }
-  const double jitter = std::sqrt(squares / steps);
+  const double jitter = std::sqrt(squares / static_cast<double>(time.size()));
   constexpr double rounding = 1e-3;
   if (jitter > rounding)
     notes.push_back("the clock jitters by " + format_number(std::round(1e4 * jitter) / 1e4) +

@@ -176,7 +176,7 @@ std::optional<double> period_of(const std::vector<double>& signal) {
         correlation[lag] < correlation[lag + 1])
       continue;
     summits.push_back(summit_at(correlation, lag));
-    if (summits.back().height > best.height) best = summits.back();
+    if (summits.back().height >= best.height) best = summits.back();
   }
   if (summits.empty()) return std::nullopt;
   const double longest = refined(correlation, best.lag, signal);
@@ -269,7 +269,10 @@ std::vector<SineSegment> sine_segments(const std::vector<double>& signal) {
       segment.count = static_cast<std::size_t>(std::floor(stop)) - segment.first + 1;
       segment.period = detail::sine_period(signal.data() + segment.first, segment.count,
                                            (stop - cycles[begin].begin) / static_cast<double>(end - begin));
-      if (detail::share_of_sine(signal.data() + segment.first, segment.count, segment.period) >= 0.9)
+      // As many as a record needs.
+      constexpr std::size_t fewest_samples = 16;
+      if (segment.count >= fewest_samples &&
+          detail::share_of_sine(signal.data() + segment.first, segment.count, segment.period) >= 0.9)
         segments.push_back(segment);
     }
     begin = next;

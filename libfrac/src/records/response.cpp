@@ -192,8 +192,9 @@ ResponseEstimate response(const std::vector<Record>& records, const ResponseOpti
     if (all.front().all_lines_excited)
       result.remarks.emplace_back(
           "every line of the band is excited, in one realisation: sigma holds noise and no distortion");
-    if (result.periods >= 4) {
-      const std::size_t half = first.size() / 2;
+    constexpr std::size_t fewest_samples = 16;
+    const std::size_t half = first.size() / 2;
+    if (result.periods >= 4 && half >= fewest_samples) {
       const double chance =
           chance_of_halves(estimate(first.part(0, half), result.excitation, length, options),
                            estimate(first.part(first.size() - half, half), result.excitation, length, options));

@@ -43,6 +43,8 @@ double sine_period(const double* signal, std::size_t count, double near) {
                                  std::polar(1.0, -2 * pi * std::fmod(static_cast<double>(half) / period, 1)));
     // The phase of a sine of another period runs away by this much over half the signal.
     const double rate = 1 / period + turn / (2 * pi * static_cast<double>(half));
+    // A correction that leaves the neighbourhood is noise.
+    if (!(std::abs(rate * near - 1) < 0.5)) return near;
     period = 1 / rate;
   }
   return period;

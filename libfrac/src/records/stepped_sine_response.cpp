@@ -40,6 +40,10 @@ ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmoni
   const std::size_t periods = found.periods;
   point.omega = static_cast<double>(periods) * found.spacing;
   point.periods = static_cast<double>(periods);
+  if (periods >= found.spectra.front().size()) {
+    point.flag = "the frequency is not below half the sampling rate";
+    return point;
+  }
   point.subharmonic = subharmonic_of(found, output);
   const std::size_t step = periods / static_cast<std::size_t>(point.subharmonic);
   LineReader reader(found.spectra, step, neighbours_for(step));

@@ -57,7 +57,7 @@ class Response : public Command {
         "Stepped sine: the same segment by segment, with harmonics: a describing function, its force in the head.\n"
         "Arbitrary (random, swept, step): the local polynomial method; h1 is the usual windowed estimate beside it.\n"
         "sigma is the standard deviation of each part, noise and distortion together: +-1.98 sigma hold 95 %.  Points\n"
-        "without it are left out and named in the head.  fit, identify, validate take the file and weigh with sigma.\n"
+        "without it are left out and named in the head.  fit --weight given takes the file and weighs with sigma.\n"
         "Examples:\n"
         "  fracfit response record.csv --out n.csv\n"
         "  fracfit response bench.mat --columns input=iq_adx,output=theta_mx --sample-time 4e-4 --out motor.csv\n"
