@@ -306,7 +306,9 @@ std::string share_of_data(const FitResult& result) {
 
 /// The best stable model of a formula.  With positive coefficients orders less than 2 apart are stable, so that one
 /// search goes as far as that; the other one goes wherever the stability of each model can be told.
-FitResult stable_fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+/// @param enough  cost that need not be beaten
+FitResult stable_fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                     double enough) {
   constexpr Extent whole{true, true};
   FitOptions wide = options, narrow = options;
   wide.assumptions.stable = true;
@@ -318,11 +320,14 @@ FitResult stable_fit(const FrequencyResponseData& data, const Structure& structu
     if (!own.fixed && own.lower.value_or(0) < below_two) own.upper = std::min(own.upper.value_or(below_two), below_two);
     if (own.start && own.upper && *own.start > *own.upper) own.start.reset();
   }
-  FitResult result = fit_with_floor(data, structure, wide, whole);
-  if (FitResult other = fit_with_floor(data, structure, narrow, whole);
-      other.usable() && detail::is_unstable(other) == false && !(other.cost > result.cost)) {
-    result = std::move(other);
-  }
+  const auto is_stable = [](const FitResult& result) {
+    return result.usable() && detail::is_unstable(result) == false;
+  };
+  FitResult result = fit_with_floor(data, structure, narrow, whole);
+  // The other one takes some milliseconds for each model that it looks at.
+  if (is_stable(result) && !(result.cost > enough)) return result;
+  FitResult other = fit_with_floor(data, structure, wide, whole);
+  if (!is_stable(result) || other.cost < result.cost) result = std::move(other);
   if (detail::is_unstable(result).value_or(true)) result.termination = FitTermination::no_usable_start;
   return result;
 }
@@ -339,7 +344,9 @@ FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& str
   // The member of a family stands where it has been chosen.
   if (!options.global_start && !stable) return free;
   if (options.weight == Weight::learned && !options.noise_floor) any.noise_floor = free.noise_floor;
-  FitResult held = stable_fit(data, structure, any);
+  // What noise may make of the cost once in a thousand times.
+  const double enough = free.cost * (1 + 10.8 / static_cast<double>(free.residuals));
+  FitResult held = stable_fit(data, structure, any, enough);
   held.noise_floor = free.noise_floor;
   held.seconds += free.seconds;
   if (!held.usable()) {

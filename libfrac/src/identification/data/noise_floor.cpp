@@ -167,10 +167,11 @@ bool are_alike(const Squares& all, std::span<const double> change, std::size_t p
 }
 
 /// @param size     of the values, whose noise is sought
+/// @param of_residuals  whether changes are those of residuals
 /// @param changes  hands each change to what it is given
 template <typename Changes>
 double floor_of(const FrequencyResponseData& data, std::span<const std::complex<double>> size, Component component,
-                const Changes& changes) {
+                bool of_residuals, const Changes& changes) {
   // In units of the largest value, so that no square overflows.
   double largest = 0;
   for (const std::complex<double> each : data.value()) largest = std::max(largest, std::abs(each));
@@ -224,8 +225,10 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   // A floor that is found where there is none is small and does little harm; one that is missed makes intervals wrong.
   constexpr double clearly = 2;
   if (!(highest - none > clearly)) return 0;
-  // Changes that follow each other are no noise, and tell no floor of it.
-  return are_alike(all, change, component == Component::both ? 2 : 1, best) ? 0 : best * largest;
+  // Changes of residuals that follow each other are no noise, and tell no floor of it.  Those of the values themselves
+  // are also what the curve through few neighbours misses, and a first floor of them does little harm.
+  const bool misfit = of_residuals && are_alike(all, change, component == Component::both ? 2 : 1, best);
+  return misfit ? 0 : best * largest;
 }
 
 bool tells_a_floor(const FrequencyResponseData& data, Component component) {
@@ -243,12 +246,12 @@ double noise_floor(const FrequencyResponseData& data, std::span<const std::compl
   std::vector<std::complex<double>> size;
   for (const std::complex<double> each : model)
     size.emplace_back(no_real ? 0 : each.real(), no_imaginary ? 0 : each.imag());
-  return floor_of(data, size, component, [&](const auto& visit) { for_each_change(data, model, visit); });
+  return floor_of(data, size, component, true, [&](const auto& visit) { for_each_change(data, model, visit); });
 }
 
 double noise_floor(const FrequencyResponseData& data, Component component) {
   if (!tells_a_floor(data, component)) return 0;
-  return floor_of(data, data.value(), component, [&](const auto& visit) { for_each_change(data, visit); });
+  return floor_of(data, data.value(), component, false, [&](const auto& visit) { for_each_change(data, visit); });
 }
 
 }  // namespace frac::detail

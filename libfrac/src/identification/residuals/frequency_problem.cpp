@@ -34,6 +34,11 @@ DataScale data_scale(const FrequencyResponseData& data) {
           std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
 }
 
+/// Members of families are stable by their limits; what is searched blindly has to be looked at.
+bool searches_stable(const FitOptions& options) {
+  return options.assumptions.stable == true && options.global_start;
+}
+
 /// Constraints with an upper limit for each delay that has none, where points are so far apart that it is below the
 /// default of ParameterConstraint.
 std::vector<ParameterConstraint> with_limits_of_spacing(const Structure& structure, const FrequencyResponseData& data,
@@ -62,7 +67,7 @@ FrequencyProblem::FrequencyProblem(const FrequencyResponseData& given, const Str
       data(given),
       options(wanted),
       rule(residual_rule(given, wanted)),
-      residuals_(given, model, options.realisation, map, rule, options.assumptions.stable == true) {
+      residuals_(given, model, options.realisation, map, rule, searches_stable(options)) {
   unit = rule.unit;
   residuals_.set_priors(priors, expected_noise);
 }
@@ -82,7 +87,7 @@ FrequencyProblem::FrequencyProblem(const FrequencyProblem& like, std::vector<Par
       data(like.data),
       options(like.options),
       rule(like.rule),
-      residuals_(data, structure, options.realisation, map, rule, options.assumptions.stable == true) {
+      residuals_(data, structure, options.realisation, map, rule, searches_stable(options)) {
   unit = rule.unit;
   residuals_.set_priors(priors, like.residuals_.prior_weight());
 }

@@ -18,7 +18,7 @@ struct FewResiduals {
                std::size_t count)
       : points(thinned(data, rule, count)),
         residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule,
-                  problem.options.assumptions.stable == true) {
+                  problem.options.assumptions.stable == true && problem.options.global_start) {
     residuals.set_priors(problem.priors, expected_noise);
   }
   Thinned points;
