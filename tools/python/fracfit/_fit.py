@@ -900,6 +900,67 @@ class CustomCircuit:
         return f"CustomCircuit({self.circuit!r})" + ("" if self.result_ is None else f"\n{self.result_!r}")
 
 
+class Validation(_Record):
+    """Whether a response can be that of one linear, causal, stable and steady system (Kramers, Kronig).
+
+    Attributes
+    ----------
+    validity : {"valid", "suspect", "invalid", "undecided"}
+        Suspect: single points stand out.  Invalid: the points as a whole depart, by more than the tolerance.
+    departs : bool
+        Whether they depart by more than noise explains, however little.
+    consistent_to : float
+        How far they may depart, share of the response, noise included.
+    noise : float
+        Standard deviation of each part over the magnitude, root mean square over the points.
+    drift, drift_deviation, step, step_deviation : float
+        Change of the response during the sweep and between two points, share of its size, with standard deviations.
+    dead_time : float
+        That the points ask for (s).
+    reversed_sign : bool
+        With imaginary parts reversed the points are consistent.
+    outliers, mains : list of int
+        Points that stand out, by index.
+    model : ndarray
+        A consistent response near the points, NaN where a point was set aside.
+    sentence : str
+        The verdict with its figures.
+    """
+
+
+def validate(
+    data: FrequencyResponse, *, level: float = 0.05, accuracy: float = 1e-4, tolerance: float = 0.01
+) -> Validation:
+    """Judges whether a response belongs to a linear, stable, steady system; see `fracfit validate`.
+
+    Parameters
+    ----------
+    data : FrequencyResponse
+        What is judged.
+    level : float
+        Chance that data without a fault are not called valid.
+    accuracy : float
+        Systematic error of the instrument, share of the response; departures within it are no fault.
+    tolerance : float
+        Departures of the points as a whole that are significant but no larger do not make the data invalid.
+
+    Raises
+    ------
+    ValueError
+        A number is out of range.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> data = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 40))
+    >>> fracfit.validate(data).validity
+    'valid'
+    """
+    if not isinstance(data, FrequencyResponse):
+        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse")
+    return Validation(_fitting.validate(data._arrays(), float(level), float(accuracy), float(tolerance)))
+
+
 def presets() -> dict[str, str]:
     """Formulas of the model library by name.
 

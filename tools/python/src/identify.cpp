@@ -12,6 +12,7 @@
 #include "frac/identification/describe.hpp"
 #include "frac/identification/economy.hpp"
 #include "frac/identification/outliers.hpp"
+#include "frac/identification/validate.hpp"
 #include "parts.hpp"
 #include "run.hpp"
 
@@ -68,6 +69,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto fixed = fixed_curves(curves, all.size());
   std::vector<std::size_t> left_out;
   std::vector<std::string> notes = settle_component(options, all);
+  for (auto& note : note_of_sign(all, options)) notes.push_back(std::move(note));
   bool met = false;
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);
@@ -95,6 +97,28 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   return dict;
 }
 
+py::dict validate(const py::dict& data, double level, double accuracy, double tolerance) {
+  const frac::FrequencyResponseData points = spectrum_of(data);
+  const frac::ValidationOptions options{level, accuracy, tolerance};
+  const auto found = result_of([&](frac::Progress&) { return frac::validate(points, options); });
+  py::dict result;
+  result["validity"] = std::string(to_string(found.validity));
+  result["departs"] = found.departs;
+  result["consistent_to"] = found.consistent_to;
+  result["noise"] = found.noise;
+  result["drift"] = found.drift;
+  result["drift_deviation"] = found.drift_deviation;
+  result["step"] = found.step;
+  result["step_deviation"] = found.step_deviation;
+  result["dead_time"] = found.dead_time;
+  result["reversed_sign"] = found.reversed_sign;
+  result["outliers"] = found.outliers;
+  result["mains"] = found.mains;
+  result["model"] = array_of(found.model);
+  result["sentence"] = found.summary();
+  return result;
+}
+
 py::dict identify_record(const py::dict& data, const std::vector<std::string>& names, const py::dict& given,
                          int threads) {
   const auto models = names.empty() ? frac::default_candidates_over_time() : models_of(names);
@@ -118,6 +142,7 @@ py::dict identify(const py::dict& data, const std::vector<std::string>& names, c
 }  // namespace
 
 void add_identify(py::module_& module) {
+  module.def("validate", &validate);
   module.attr("described")["Identification"] = attributes_of<frac::IdentificationResult>();
   module.def("identify", &identify);
 }
