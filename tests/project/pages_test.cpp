@@ -134,6 +134,36 @@ std::vector<fs::path> all_pages() {
   return pages;
 }
 
+// A paragraph that counts errors and links to the page where they were counted says what that page says.
+TEST(Rates, InProseStandOnThePageThatIsLinked) {
+  const std::regex link(R"(\]\(([^)\s]*(?:rates|coverage)\.md)\))"), count(R"(\b(none|\d+) of (\d+)\b)");
+  int compared = 0;
+  for (const fs::path& page : all_pages()) {
+    std::istringstream lines(content_of(page.string()));
+    std::string paragraph;
+    for (std::string line; std::getline(lines, line) || !paragraph.empty(); line.clear()) {
+      if (!line.empty()) {
+        paragraph += line + " ";
+        continue;
+      }
+      std::string linked;
+      for (std::sregex_iterator it(paragraph.begin(), paragraph.end(), link), end; it != end; ++it)
+        linked += content_of((page.parent_path() / (*it)[1].str()).string());
+      for (std::sregex_iterator it(paragraph.begin(), paragraph.end(), count), end; !linked.empty() && it != end;
+           ++it) {
+        const std::string part = (*it)[1], whole = (*it)[2], number = part == "none" ? "0" : part;
+        const auto stands = [&](const std::string& text) { return linked.find(text + whole) != std::string::npos; };
+        EXPECT_TRUE(stands(part + " of ") || stands(number + " of ") || stands(number + "/") ||
+                    stands(part + " of the "))
+            << page << ": " << (*it)[0];
+        ++compared;
+      }
+      paragraph.clear();
+    }
+  }
+  EXPECT_GT(compared, 5);
+}
+
 // The site refuses a section that lies more than one level below the section around it.
 TEST(Headings, LeaveNoLevelOut) {
   for (const fs::path& page : all_pages()) {

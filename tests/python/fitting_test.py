@@ -693,3 +693,16 @@ def test_a_guess_without_names_goes_by_appearance():
         fracfit.CustomCircuit("zarc", initial_guess=[1, None, 2, 3])
     with pytest.raises(ValueError, match="K is None"):
         Model("K/(s + 1)", K=None)
+
+
+def test_a_mirrored_spectrum_is_told():
+    # Real and imaginary part of an arc belong together; the complex conjugate is the response of no causal system.
+    arc = Model("3 + 5/(1 + (0.1 s)^0.8)").frequency_response(np.logspace(-1, 4, 51))
+    mirrored = FrequencyResponse(arc.omega, np.conj(arc.response))
+    found = fracfit.validate(mirrored)
+    assert found.validity == "invalid" and found.reversed_sign and "reversed" in found.sentence
+    assert fracfit.validate(arc).validity == "valid" and not fracfit.validate(arc).reversed_sign
+    with pytest.warns(UserWarning, match="sign of the imaginary part looks reversed"):
+        fracfit.fit(mirrored, "cole-cole")
+    with pytest.raises(ValueError, match="tolerance"):
+        fracfit.validate(arc, tolerance=-1)

@@ -111,7 +111,9 @@ class RelaxationTimes(_Record, RelaxationTimesNumbers, Table):
 
 
 @named
-def validate(data: Any, values: Any = None, *, level: float = 0.05, accuracy: float = 1e-4) -> Validation:
+def validate(
+    data: Any, values: Any = None, *, level: float = 0.05, accuracy: float = 1e-4, tolerance: float = 0.01
+) -> Validation:
     """Whether measured data can be the response of a linear, causal, stable system that stayed the same (Kramers, Kronig).
 
     Parameters
@@ -122,6 +124,9 @@ def validate(data: Any, values: Any = None, *, level: float = 0.05, accuracy: fl
         Chance that data without a fault are not called valid, between 0 and 1.
     accuracy : float
         Systematic error that the instrument may have, as share of the response; departures within it are no fault.
+    tolerance : float
+        Departures of the points as a whole that are significant but no larger, as share of the response, do not make data
+        invalid.
 
     Examples
     --------
@@ -131,12 +136,14 @@ def validate(data: Any, values: Any = None, *, level: float = 0.05, accuracy: fl
     ('valid', 'invalid')
     """
     points = response_of(data, values)
-    level, accuracy = number(level, "level"), number(accuracy, "accuracy")
+    level, accuracy, tolerance = number(level, "level"), number(accuracy, "accuracy"), number(tolerance, "tolerance")
     if not 1e-15 <= level < 1:
         raise ValueError(f"level is {level:g}; allowed is 1e-15 up to 1")
     if not 0 <= accuracy < 1:
         raise ValueError(f"accuracy is {accuracy:g}; allowed is 0 up to 1")
-    found = _fitting.validate(points._arrays(), level, accuracy)
+    if not 0 <= tolerance < 1:
+        raise ValueError(f"tolerance is {tolerance:g}; allowed is 0 up to 1")
+    found = _fitting.validate(points._arrays(), level, accuracy, tolerance)
     found["model"] = _or_nan(np.array(found["model"], dtype=complex), points.size)
     found["deviation"] = _or_nan(np.array(found["deviation"], dtype=float), points.size)
     return Validation({**found, "data": points})

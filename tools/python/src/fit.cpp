@@ -89,6 +89,7 @@ Fitted fitted(const Data& data, const Request& request, Options options) {
 Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& request, frac::FitOptions options,
                         bool keep) {
   std::vector<std::string> notes = settle_component(options, data);
+  for (auto& note : note_of_sign(data, options)) notes.push_back(std::move(note));
   frac::ScreenedData points(data, options, keep);
   for (auto& note : notes_of(points)) notes.push_back(std::move(note));
   const auto fitted_part = [&] {

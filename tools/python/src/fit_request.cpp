@@ -12,6 +12,7 @@
 #include "described.hpp"
 #include "frac/identification/constraints.hpp"
 #include "frac/identification/describe.hpp"
+#include "frac/identification/validate.hpp"
 #include "realisation_choice.hpp"
 
 namespace frac {
@@ -101,6 +102,13 @@ std::vector<std::string> settle_component(frac::FitOptions& options, const frac:
 std::vector<std::string> notes_of(const frac::ScreenedData& points) {
   if (points.left_out().empty()) return {};
   return {points.sentence() + ", and taken in with outliers=\"keep\""};
+}
+
+std::vector<std::string> note_of_sign(const frac::FrequencyResponseData& data, const frac::FitOptions& options) {
+  if (options.component != frac::Component::both || options.weight == frac::Weight::repeats) return {};
+  const auto found = frac::validate(data, {.most_points = frac::points_in_passing});
+  if (!found.reversed_sign) return {};
+  return {found.summary() + "; np.conj(response) has the other sign"};
 }
 
 frac::FrequencyResponseData spectrum_of(const py::dict& data) {

@@ -28,6 +28,11 @@ namespace python {
 /// What is told of the points that are left out, with the way to keep them; empty where there are none.
 [[nodiscard]] std::vector<std::string> notes_of(const frac::ScreenedData& points);
 
+/// What is told of data whose imaginary part has the wrong sign, and empty for others.  Both parts are judged together,
+/// and repeats at one frequency are not points of a sweep.
+[[nodiscard]] std::vector<std::string> note_of_sign(const frac::FrequencyResponseData& data,
+                                                    const frac::FitOptions& options);
+
 /// Data from a dict of arrays: omega, response, sigma; time, input, output, sigma, hold, input_at_rest, kept.
 [[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);
 [[nodiscard]] frac::TimeResponseData record_of(const pybind11::dict& data);

@@ -68,6 +68,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto fixed = fixed_curves(curves, all.size());
   std::vector<std::size_t> left_out;
   std::vector<std::string> notes = settle_component(options, all);
+  for (auto& note : note_of_sign(all, options)) notes.push_back(std::move(note));
   bool met = false;
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);

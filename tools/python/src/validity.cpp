@@ -15,9 +15,9 @@
 namespace python {
 namespace {
 
-py::dict validated(const py::dict& data, double level, double accuracy) {
+py::dict validated(const py::dict& data, double level, double accuracy, double tolerance) {
   const frac::FrequencyResponseData points = spectrum_of(data);
-  const auto found = result_of([&](frac::Progress&) { return frac::validate(points, {level, accuracy}); });
+  const auto found = result_of([&](frac::Progress&) { return frac::validate(points, {level, accuracy, tolerance}); });
   py::dict dict = dict_of(found);
   dict["usable"] = found.usable();
   dict["summary"] = found.summary();

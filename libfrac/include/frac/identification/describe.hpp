@@ -262,7 +262,10 @@ void describe(Result& result, const Visit& visit) {
   visit("validity", "", "valid, suspect, invalid or undecided", result.validity);
   visit("level", "1", "chance that data without a fault are not called valid", result.level);
   visit("accuracy", "1", "share of the response within which departures are no fault", result.accuracy);
+  visit("tolerance", "1", "share of the response within which significant departures do not matter", result.tolerance);
   visit("findings", "", "one for each test, see finding", result.findings);
+  visit("departs", "", "whether the points as a whole depart by more than noise explains", result.departs);
+  visit("consistent_to", "1", "how far they may depart, share of the response, noise included", result.consistent_to);
   visit("largest_residual", "1", "largest residual of the judged points, share of the model", result.largest_residual);
   visit("every", "1", "one point in so many was judged", result.every);
   visit("real_poles", "1", "real poles of the consistent model", result.real_poles);

@@ -28,8 +28,8 @@ enum class ValidityTest {
   drift_periods,   // the same, each point taking as many periods as the others
   step,            // the response scaled up or down from one point on
   outliers,        // the largest residual
-  mains_50,        // residuals within 2 % of 50 Hz, of its odd harmonics besides, or of its first ten; where points are
-                   // dense, of the three nearest
+  // Where points are dense, the three nearest to each harmonic.
+  mains_50,        // residuals within 2 % of 50 Hz, of its odd harmonics besides, or of its first ten
   mains_60,
 };
 [[nodiscard]] std::string_view to_string(ValidityTest test);

@@ -287,8 +287,9 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
   auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(found.density), found.density, found.lower, found.upper), of.log_tau,
       found.density);
-  // Beyond the band stands what the prior continues.
-  std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
+  // Beyond the band stands what the prior continues, and a density that is largest at an end of the band falls beyond it
+  // because it has to.
+  std::erase_if(ranges, [&](const auto& range) { return range.top <= of.first_seen || range.top >= of.last_seen; });
   const auto area_of = [&](const std::vector<double>& density, const detail::PeakRange& range) {
     return detail::peak_area(of.log_tau, density,
                              {std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)});
