@@ -60,8 +60,8 @@ TEST(Describe, HasTheNumbersOfAFit) {
                                "f1 = (R1 Q1)^(-1/n1)/(2 pi)", "--format", "json"});
   // The correlation stands for the covariance; input before a record is of fits over time.
   expect_is(fit, results["fit"], {"covariance", "earlier_input"},
-            {"fracfit", "command", "data", "options", "validity", "stability", "correlation", "lack_of_fit",
-             "whiteness", "derived"});
+            {"fracfit", "command", "data", "options", "assumptions", "validity", "stability", "correlation",
+             "lack_of_fit", "whiteness", "derived"});
   for (const auto& parameter : fit["parameters"]) expect_is(parameter, results["parameter"], {}, {"unit"});
   expect_is(fit["priors"].at(0), results["prior"]);
   expect_is(fit["derived"].at(0), results["derived"]);
@@ -72,8 +72,8 @@ TEST(Describe, HasTheNumbersOfARanking) {
   auto results = described();
   const Json ranking = successful({"identify", examples + "cell.csv", "--models", "zarc,two-rc", "--format", "json"});
   expect_is(ranking, results["identification"], {},
-            {"fracfit", "command", "data", "options", "validity", "chosen", "stability", "fractional", "integer",
-             "differ_most", "next_measurement", "economy"});
+            {"fracfit", "command", "data", "options", "assumptions", "set_aside", "validity", "chosen", "stability",
+             "fractional", "integer", "differ_most", "next_measurement", "economy"});
   auto candidate = results["candidate"];
   candidate.merge(results["fit"]);
   for (const auto& each : ranking["ranking"])

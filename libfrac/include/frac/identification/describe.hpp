@@ -322,8 +322,14 @@ void describe(Result& result, const Visit& visit) {
   visit("peaks", "", "maxima of the density, see relaxation-time", result.peaks);
   visit("lines_left_off", "1", "lines of a series, shorter than those listed", result.lines_left_off);
   visit("constant", "value", "constant beside the density; none of a formula", result.constant);
+  visit("constant_ci95", "value", "interval of 95 % of it",
+        NumberPair("constant_lower", result.constant_lower, "constant_upper", result.constant_upper));
   visit("inductance", "value s", "coefficient of s beside the density; none of a formula", result.inductance);
+  visit("inductance_ci95", "value s", "interval of 95 % of it",
+        NumberPair("inductance_lower", result.inductance_lower, "inductance_upper", result.inductance_upper));
   visit("elastance", "value/s", "coefficient of 1/s beside the density; none of a formula", result.elastance);
+  visit("elastance_ci95", "value/s", "interval of 95 % of it",
+        NumberPair("elastance_lower", result.elastance_lower, "elastance_upper", result.elastance_upper));
   visit("smoothness", "1", "weight of the roughness; none of a formula", result.smoothness);
   visit("misfit", "1", "rms of what the distribution leaves of the data, relative to them; none of a formula",
         result.misfit);
