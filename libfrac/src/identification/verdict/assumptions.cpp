@@ -93,8 +93,9 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
     return;
   }
   const auto leftover = [&](std::size_t i) {
-    return Leftover{candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
-                    price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
+    return Leftover{
+        candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
+        price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
   };
   const double evidence = evidence_against(leftover(*without), leftover(chosen), candidates[chosen].residual.size());
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
