@@ -76,8 +76,8 @@ struct ParameterConstraint {
   bool positive = false;
 };
 
-/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it: then
-/// it is dropped, and the answer says so.
+/// What is known of the system before the data are seen.  What is left open holds unless the data speak against it:
+/// then it is dropped, and the answer says so.
 struct Assumptions {
   /// No pole right of the imaginary axis; integrators and undamped modes are allowed.  true: whatever the data say;
   /// false: nothing is assumed.  Unset: assumed.

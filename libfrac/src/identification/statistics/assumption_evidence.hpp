@@ -18,8 +18,8 @@ namespace frac::detail {
 }
 
 /// Evidence (twice the logarithm of odds) that has to speak against an assumption that nobody has confirmed, odds of a
-/// million to one beforehand.  An unstable system cannot be measured without a loop around it, so that those who measure
-/// one know; and a smooth error, which no stable system makes, may save an unstable model some parameters.
+/// million to one beforehand.  An unstable system cannot be measured without a loop around it, so that those who
+/// measure one know; and a smooth error, which no stable system makes, may save an unstable model some parameters.
 inline constexpr double price_of_assumption = 27.6;
 /// The same for a dead time, odds of ten to one.
 inline constexpr double price_of_dead_time = 4.6;
@@ -32,9 +32,10 @@ struct Leftover {
 };
 
 /// Evidence (twice the logarithm of odds) against a model that is taken to be the truth, by a rival that is not.  What
-/// the truth leaves is noise, of the size of what the rival leaves, and a smooth error of usual size; the more it leaves
-/// beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.  A model
-/// that needs more parameters than the rival, such as poles and zeros that approximate one of the rival's, pays for them.
+/// the truth leaves is noise, of the size of what the rival leaves, and a smooth error of usual size; the more it
+/// leaves beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.  A
+/// model that needs more parameters than the rival, such as poles and zeros that approximate one of the rival's, pays
+/// for them.
 /// @param residuals  count
 [[nodiscard]] inline double evidence_against(const Leftover& held, const Leftover& rival, std::size_t residuals) {
   const double noise = rival.rms * rival.rms, smooth = std::pow(usual_smooth_error(rival.rms), 2);
