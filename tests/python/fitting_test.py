@@ -700,7 +700,7 @@ def test_a_mirrored_spectrum_is_told():
     arc = Model("3 + 5/(1 + (0.1 s)^0.8)").frequency_response(np.logspace(-1, 4, 51))
     mirrored = FrequencyResponse(arc.omega, np.conj(arc.response))
     found = fracfit.validate(mirrored)
-    assert found.validity == "invalid" and found.reversed_sign and "reversed" in found.sentence
+    assert found.validity == "invalid" and found.reversed_sign and "reversed" in found.summary
     assert fracfit.validate(arc).validity == "valid" and not fracfit.validate(arc).reversed_sign
     with pytest.warns(UserWarning, match="sign of the imaginary part looks reversed"):
         fracfit.fit(mirrored, "cole-cole")
