@@ -24,6 +24,7 @@ class FitResultNumbers:
     formula: str
     cost: float
     rms: float
+    relative_rms: float
     gain_factor: float
     max_residual: float
     aicc: float
@@ -37,6 +38,7 @@ class FitResultNumbers:
     confidence_of_optimum: float
     condition: float
     noise_correlation: float
+    smooth_error: float
     noise_floor: float
     seconds: float
     centre_omega: float
@@ -58,6 +60,7 @@ class IdentificationNumbers:
     evidence: float
     departure_evidence: float
     verdict_sentence: str
+    notes: list[str]
     log10_odds: float
     model_error: bool
     noise_floor: float
@@ -171,7 +174,10 @@ class ValidationNumbers:
     validity: str
     level: float
     accuracy: float
+    tolerance: float
     findings: list[dict[str, Any]]
+    departs: bool
+    consistent_to: float
     largest_residual: float
     every: int
     real_poles: int
