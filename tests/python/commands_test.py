@@ -39,10 +39,12 @@ FUNCTIONS = {
     "loop": "loop",
     "map": "regime_map",
     "mittag-leffler": "mittag_leffler",
+    "multisine": "multisine",
     "orbits": "orbits",
     "realise": "Model.realise",
     "report": "report",
     "respond": "Model.respond",
+    "response": "response",
     "simulate": "describing_function",
     "tune": "tune",
     "validate": "validate",
@@ -161,6 +163,88 @@ def test_motions_over_time():
     knots = fracfit.loop("2 + s", restitution=0.6, setpoint=([0.0, 10.0], [0.0, 1.0]), duration=5, every=0.5)
     # Two ways to the same flight, in the sum of exponentials of whole powers: rounding, grown over a few impacts.
     np.testing.assert_allclose(knots.x1, ramp.x1, atol=1e-9)
+
+
+def test_excitations():
+    for lines in ("odd-random", "odd", "full"):
+        theirs = command_line.columns_of(
+            "multisine", "--band", "2:40", "--period", 5, "--sample-time", 0.02, "--lines", lines, "--peak", 3, "--periods", 2, "--rounds", 20, "--seed", 7
+        )
+        ours = fracfit.multisine((2, 40), period=5, sample_time=0.02, lines=lines, peak=3, periods=2, rounds=20, seed=7)
+        for name, column in ours._columns().items():
+            same(column, theirs[name])
+        # What it says of itself is what is in it: sines of that amplitude at the lines, nothing else.  Sums of 250 terms round to
+        # some 1e-15 of the peak.
+        spectrum = 2 * np.abs(np.fft.rfft(ours.input[:250])) / 250
+        expected = np.zeros(126)
+        expected[ours.lines] = ours.amplitude
+        np.testing.assert_allclose(spectrum, expected, atol=1e-12)
+
+
+def same_response(ours, theirs):
+    """Every column that the program has, but the levels of the force, which it gathers from the amplitudes."""
+    columns = ours._columns()
+    assert set(columns) == set(theirs) - {"force_n"}
+    for name, column in columns.items():
+        same(column, theirs[name])
+
+
+def test_responses_of_records(tmp_path):
+    # Exact: a motion of masses with backlash, and its describing function.
+    path = tmp_path / "motion.csv"
+    scene = {"restitution": 0.6, "force": 40.0, "clearance": 0.3}
+    asked = ["--omega", 20, "--skip", 200, "--periods", 8, "--samples", 200]
+    path.write_text(command_line.run("history", *(f"--{name}={value}" for name, value in scene.items()), *asked, "--format", "csv"))
+    motion = fracfit.response(path, columns="output=x1_m")
+    same_response(motion, command_line.columns_of("response", path, "--columns", "output=x1_m"))
+    exact = fracfit.describing_function([20.0], **scene).response[0]
+    assert motion.frequency_response().unit == "m/N"
+    # Velocities jump by no more than a few of their peaks, so that harmonic k is a few 1/k^2 of the first; those beside the 200th
+    # fold back onto it, 1e-4: ten times that.
+    assert abs(motion.response[0] / exact - 1) < 1e-3
+    # Noisy: a multisine through a lag, by arrays, by a TimeSeries, by the file.
+    drive = fracfit.multisine((1, 30), period=20, sample_time=0.05, periods=5)
+    random = np.random.default_rng(5)
+    lag = Model("2/(0.3 s + 1)")
+    answer = lag.respond(drive.time, drive.input).output + 0.02 * random.normal(size=drive.time.size)
+    second = -0.5 * drive.input + 0.02 * random.normal(size=drive.time.size)
+    record = fracfit.TimeSeries(drive.time, drive.input, answer)
+    path = tmp_path / "noisy.csv"
+    record.to_csv(path)
+    theirs = command_line.columns_of("response", path)
+    for ours in (fracfit.response(drive.time, drive.input, answer), fracfit.response(record), fracfit.response(path)):
+        assert ours.excitation == "periodic" and ours.usable and ours.size > 20
+        same_response(ours, theirs)
+    # The lag under a held input, sampled.  Squares of errors over sigma have mean 1 and, of Student's distribution with the fewest
+    # degrees of freedom, 9, the variance 3.2; both parts of n points: five deviations of their mean.
+    data = ours.frequency_response()
+    decay = np.exp(-0.05 / 0.3)
+    shift = np.exp(-0.05j * data.omega)
+    squares = np.abs(data.response - 2 * (1 - decay) * shift / (1 - decay * shift)) ** 2 / (2 * data.sigma**2)
+    assert abs(np.mean(squares) - 1) < 5 * np.sqrt(3.2 / (2 * data.size))
+    for excitation, option in (("arbitrary", {}), ("stepped-sine", {"harmonics": 3}), ("periodic", {"period": 20})):
+        if excitation == "stepped-sine":
+            time = np.arange(4000) * 0.05
+            tones = np.where(time < 100, np.cos(2 * time), 1.5 * np.cos(3.1 * time))
+            path = tmp_path / "tones.csv"
+            fracfit.TimeSeries(time, tones, tones + 0.1 * tones**3 + 0.01 * random.normal(size=4000)).to_csv(path)
+        else:
+            path = tmp_path / "noisy.csv"
+        words = [word for name, value in option.items() for word in (f"--{name}", value)]
+        same_response(fracfit.response(path, excitation=excitation, **option), command_line.columns_of("response", path, "--excitation", excitation, *words))
+    # Two outputs, rows of each, and several records, whose mean it is.
+    path = tmp_path / "two.csv"
+    path.write_text("time_s,input,output1,output2\n" + "".join(f"{t!r},{u!r},{y!r},{z!r}\n" for t, u, y, z in zip(*(each.tolist() for each in (drive.time, drive.input, answer, second)))))
+    theirs = command_line.columns_of("response", path)
+    both = fracfit.response(path)
+    same_response(both, theirs)
+    same(fracfit.response(drive.time, drive.input, [answer, second]).response.imag, both.response.imag)
+    again = fracfit.TimeSeries(drive.time, drive.input, second)
+    again.to_csv(tmp_path / "again.csv")
+    same_response(fracfit.response([record, again]), command_line.columns_of("response", tmp_path / "noisy.csv", tmp_path / "again.csv"))
+    loop = fracfit.response(drive.time, answer, second, reference=drive.input, excitation="arbitrary")
+    path.write_text(path.read_text().replace("input,output1,output2", "reference,input,output"))
+    same_response(loop, command_line.columns_of("response", path, "--excitation", "arbitrary"))
 
 
 def test_basins():

@@ -18,6 +18,7 @@ import fracfit
 
 RANDOM = np.random.default_rng(7)
 OMEGA = np.logspace(-2, 3, 4000)
+NOISE = np.random.default_rng(8).normal(size=200_000)
 CIRCUIT = "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)"
 CELL = fracfit.Model(CIRCUIT, R0=0.02, R1=0.03, Q1=0.05, n1=0.85, R2=0.06, Q2=4, n2=0.75)
 
@@ -90,6 +91,11 @@ LONG = {
         fracfit.jump_law(criterion="largest-discontinuity", restitution=[0.5, 0.9], threads=1) for _ in range(100)
     ],
     "history": lambda: [fracfit.history(1.41, restitution=0.9, periods=20_000, samples=100) for _ in range(100)],
+    "multisine": lambda: fracfit.multisine((1, 1000), period=100, sample_time=1e-3, rounds=1_000_000),
+    "response": lambda: [fracfit.response(input=NOISE, output=np.roll(NOISE, 3), sample_time=1e-3) for _ in range(1000)],
+    "response of a periodic record": lambda: [
+        fracfit.response(input=np.tile(NOISE[:50_000], 4), output=NOISE, sample_time=1e-3, excitation="periodic") for _ in range(1000)
+    ],
     "basins": lambda: fracfit.basins(1.41, restitution=0.9, position=np.linspace(0, 1, 1000), velocity=np.linspace(-1, 1, 1000)),
     "loop": lambda: [fracfit.loop("1 + s^0.5", restitution=0.9, velocity2=1, duration=1e4, every=0.01, impacts=5_000_000) for _ in range(100)],
     "loop with the whole memory": lambda: [

@@ -174,6 +174,10 @@ def backlash() -> float:
     branch = fracfit.orbits(1.9, 2.0, restitution=0.6)[0]
     stable: bool = bool(branch.stable.all())
     loop = fracfit.loop("1 + s^0.5", restitution=0.6, velocity2=1.0, duration=10.0)
+    drive = fracfit.multisine((1.0, 20.0), period=10.0, sample_time=0.05, periods=3)
+    measured = fracfit.response(drive.time, drive.input, 2 * drive.input)
+    spectrum: FrequencyResponse = measured.frequency_response()
+    assert measured.excitation == "periodic" and spectrum.size == drive.lines.size == measured.sigma.size
     map_of_starts = fracfit.basins(1.41, restitution=0.6, position=[0.2, 0.8], velocity=[0.0])
     assert regimes.size == values.size and jump is not None and math.isfinite(largest) and stable
     print(frequency, loop.impacts, loop.end, map_of_starts.shares.tolist())

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "records/chirp_transform.hpp"
 #include "records/estimators.hpp"
 #include "special/distributions.hpp"
@@ -164,6 +165,7 @@ Estimated arbitrary_response(const Record& record) {
   for (std::size_t i = 1; i < drive.size(); ++i) largest = std::max(largest, std::abs(drive[i]));
   // Windows side by side, so that the errors of the points are independent.
   for (std::size_t middle = reach + 1; middle + reach < drive.size(); middle += width) {
+    throw_if_cancelled();
     const Eigen::VectorXcd of_drive = window_of(drive, middle);
     // What is left of a band without power is rounding.
     constexpr double rounding = 1e-12;

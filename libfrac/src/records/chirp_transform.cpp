@@ -7,6 +7,8 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "frac/cancellation.hpp"
+
 namespace frac::detail {
 
 std::size_t fast_length(std::size_t least) {
@@ -18,6 +20,7 @@ std::size_t fast_length(std::size_t least) {
 
 ChirpTransform::ChirpTransform(std::size_t samples, double length, std::size_t count)
     : samples_(samples), count_(count) {
+  throw_if_cancelled();
   const std::size_t longest = std::max(samples, count);
   chirp_.resize(longest);
   for (std::size_t m = 0; m < longest; ++m) {
@@ -35,6 +38,7 @@ ChirpTransform::ChirpTransform(std::size_t samples, double length, std::size_t c
 }
 
 std::vector<std::complex<double>> ChirpTransform::operator()(const double* signal) const {
+  throw_if_cancelled();
   std::vector<std::complex<double>> time(kernel_.size()), spectrum;
   for (std::size_t m = 0; m < samples_; ++m) time[m] = signal[m] * chirp_[m];
   Eigen::FFT<double> fft;

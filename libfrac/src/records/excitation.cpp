@@ -9,6 +9,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/median.hpp"
+#include "frac/cancellation.hpp"
 #include "records/chirp_transform.hpp"
 #include "records/sine_period.hpp"
 #include "records/whole_periods.hpp"
@@ -249,6 +250,7 @@ std::vector<SineSegment> sine_segments(const std::vector<double>& signal) {
   };
   std::vector<SineSegment> segments;
   for (std::size_t begin = 0; begin < cycles.size();) {
+    throw_if_cancelled();
     double length = 0, height = 0;
     std::size_t end = begin;
     while (end < cycles.size()) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 
 namespace frac::detail {
 std::size_t neighbours_for(std::size_t periods) {
@@ -37,6 +38,7 @@ void LineReader::take_window(std::size_t bin) {
 }
 
 LineEstimate LineReader::operator()(std::size_t bin) {
+  throw_if_cancelled();
   constexpr Eigen::Index terms = 3;
   const auto channels = static_cast<Eigen::Index>(spectra_.size());
   const auto of_channel = [this](Eigen::Index channel) -> const Spectrum& {

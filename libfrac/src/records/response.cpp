@@ -124,6 +124,12 @@ void average(const std::vector<Estimated>& all, std::vector<std::vector<Response
 
 }  // namespace
 
+double ResponsePoint::sigma_or_rounding() const {
+  // Sums of doubles err by this share of the value.
+  constexpr double rounding = 1e-15;
+  return std::max(sigma, rounding * std::abs(value));
+}
+
 double ResponsePoint::half_width_re() const {
   return half_width(sigma_re, degrees);
 }

@@ -19,9 +19,6 @@
 namespace fracfit {
 namespace {
 
-// What a point says of its error where all was exact: sums of doubles err by this share of the value.
-constexpr double rounding = 1e-15;
-
 class Response : public Command {
  public:
   Response()
@@ -131,8 +128,7 @@ class Response : public Command {
     Columns columns;
     columns.add(joined("re", ending), [](const Point& p) { return Cell(p.value.real()); });
     columns.add(joined("im", ending), [](const Point& p) { return Cell(p.value.imag()); });
-    columns.add(joined("sigma", ending),
-                [](const Point& p) { return Cell(std::max(p.sigma, rounding * std::abs(p.value))); });
+    columns.add(joined("sigma", ending), [](const Point& p) { return Cell(p.sigma_or_rounding()); });
     const auto other = [&](const std::string& name, Cell (*value)(const Point&)) {
       columns.add(joined(name, label), value);
     };

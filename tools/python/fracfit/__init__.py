@@ -41,6 +41,7 @@ from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
 from ._motions import Basins, History, LoopMotion, basins, history, loop
 from ._model import Approximation, Margins, Model, Realisation, Stability, TimeResponse, approximate
+from ._records import Multisine, RecordResponse, multisine, response
 from ._special import derivative, mittag_leffler
 
 if TYPE_CHECKING:
@@ -114,8 +115,10 @@ __all__ = [
     "LoopMotion",
     "Margins",
     "Model",
+    "Multisine",
     "OrbitBranch",
     "Realisation",
+    "RecordResponse",
     "RegimeMap",
     "Stability",
     "TimeResponse",
@@ -131,9 +134,11 @@ __all__ = [
     "limit_cycles",
     "loop",
     "mittag_leffler",
+    "multisine",
     "orbits",
     "read",
     "regime_map",
+    "response",
     "restitution_from_loss_factor",
     "static_describing_function",
     "sweep_names",

@@ -162,6 +162,23 @@ def history(
 def basins(
     scene: tuple[float, ...], position: np.ndarray, velocity: np.ndarray, body: str, threads: int, report: Report, /
 ) -> dict[str, Any]: ...
+def response(
+    records: Sequence[tuple[float, np.ndarray, Sequence[np.ndarray], np.ndarray]],
+    excitation: str | None,
+    period: float | None,
+    harmonics: int,
+    /,
+) -> dict[str, Any]: ...
+def multisine(
+    band: tuple[float, float],
+    period: float,
+    sample_time: float,
+    lines: str,
+    peak: float,
+    seed: int,
+    rounds: int,
+    /,
+) -> dict[str, Any]: ...
 def parameter_units(formula: str, unit: str, /) -> list[str]: ...
 def spice(formula: str, kind: str, band: tuple[float, float], tolerance: float, name: str, /) -> dict[str, Any]: ...
 def export_filter(

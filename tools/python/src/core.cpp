@@ -13,5 +13,6 @@ PYBIND11_MODULE(_core, module) {
   python::add_orbits(module);
   python::add_loops(module);
   python::add_motions(module);
+  python::add_records(module);
   python::add_exports(module);
 }

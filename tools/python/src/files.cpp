@@ -8,6 +8,7 @@
 #endif
 #include "io/frequency_response_file.hpp"
 #include "io/point_filter.hpp"
+#include "io/record_file.hpp"
 #include "io/time_series_file.hpp"
 #include "io/unit_name.hpp"
 #include "run.hpp"
@@ -64,6 +65,21 @@ py::dict record(const std::string& path, const std::vector<std::string>& where) 
   return result;
 }
 
+py::dict raw_record(const std::string& path, const std::string& columns, const std::optional<double>& sample_time) {
+  const auto file = result_of([&](frac::Progress&) { return io::read_record(path, {columns, sample_time}); });
+  py::list outputs, units;
+  for (const auto& output : file.record.outputs()) outputs.append(array_of(output));
+  for (const auto& unit : file.units) units.append(io::written_unit(unit));
+  py::dict result;
+  result["record"] = py::make_tuple(file.record.sample_time(), array_of(file.record.input()), outputs,
+                                    array_of(file.record.reference()));
+  result["names"] = file.outputs;
+  result["units"] = units;
+  result["input_unit"] = file.input_unit;
+  result["notes"] = file.notes;
+  return result;
+}
+
 // The points of a frequency response that satisfy a comparison.
 py::array_t<bool> points_where(const std::string& text, const Reals& omega, const Complexes& value) {
   const io::PointFilter filter(text);
@@ -89,6 +105,7 @@ PYBIND11_MODULE(_files, module) {
   module.def("sweep_names", [](const std::string& path, const std::string& key_column) {
     return result_of([&](frac::Progress&) { return io::curve_labels(io::read_measurement(path), key_column); });
   });
+  module.def("raw_record", &raw_record);
   module.def("points_where", &points_where);
 #ifdef FRACFIT_HAS_EXPORTS
   module.def("fmu_archive", [](const std::string& name, const std::vector<std::pair<std::string, std::string>>& files,

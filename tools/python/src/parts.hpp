@@ -15,6 +15,7 @@ void add_describing_function(pybind11::module_& module);
 void add_orbits(pybind11::module_& module);
 void add_loops(pybind11::module_& module);
 void add_motions(pybind11::module_& module);
+void add_records(pybind11::module_& module);
 void add_exports(pybind11::module_& module);
 
 // Parts of the fitting module.

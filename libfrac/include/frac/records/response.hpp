@@ -48,6 +48,8 @@ struct ResponsePoint {
   /// One clause where the point is not to be trusted; such a point has no sigma.
   std::string flag;
 
+  /// sigma, or the rounding of the value where that is more: a deviation to weigh with also where all was exact.
+  [[nodiscard]] double sigma_or_rounding() const;
   /// Half width of the 95 % interval of the real and of the imaginary part, by Student's distribution.
   [[nodiscard]] double half_width_re() const;
   [[nodiscard]] double half_width_im() const;

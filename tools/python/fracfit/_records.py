@@ -1,0 +1,410 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Raw records of experiments as frequency responses, and excitations for them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._arrays import NO_NUMBERS, count, number, pair, path_of, real_array, seed_number, text
+from ._data import FrequencyResponse, TimeSeries
+from ._model import _Record
+from ._tables import Table, column_unit
+from ._text import html_table, short
+from ._words import named
+
+_MOST_SAMPLES = 10_000_000
+
+
+class RecordResponse(_Record, Table):
+    """Frequency response of a record, each value with what is known of its error.
+
+    Points without a deviation are left out.  Of several outputs every array of points has a row for each.
+
+    Attributes
+    ----------
+    omega : ndarray
+        rad/s, rising; equal ones are further segments of a stepped sine.
+    response : ndarray of complex
+        Output per input.
+    sigma : ndarray
+        Standard deviation of each part, noise and distortion together: +-1.98 sigma hold 95 %.
+    deviation_re, deviation_im, correlation : ndarray
+        Of the errors of both parts.
+    degrees_of_freedom : ndarray
+        That the deviations come from.
+    noise, distortion, even_distortion : ndarray
+        Shares of sigma, and distortion of even order, which is no part of it; NaN where nothing tells them.
+    coherence, h1 : ndarray
+        Of an arbitrary input: squared coherence, and the usual estimate by Hann windows; else NaN.
+    subharmonic : ndarray of int
+        The motion repeats after so many periods of the input.
+    harmonics, harmonics_sigma : ndarray
+        Of a stepped sine, a column for each from the second on: over the amplitude of the input, and the deviation of each part.
+    input_amplitude, periods : ndarray
+        Of each line of the input; periods in what each point is made of.
+    excitation : str
+        periodic, stepped-sine or arbitrary.
+    period : float
+        Of a periodic excitation, s, else NaN.
+    realisations : int
+        Records that were averaged.
+    left_out : list of (float, str)
+        Frequency of each point without a deviation, rad/s, and why.
+    remarks : list of str
+        What was assumed of the file and noticed in the record.
+    names, units : list of str
+        Of the outputs and of the response of each; empty where nothing tells them.
+    usable : bool
+        Whether any point is left.
+    """
+
+    omega: np.ndarray
+    response: np.ndarray
+    sigma: np.ndarray
+    deviation_re: np.ndarray
+    deviation_im: np.ndarray
+    correlation: np.ndarray
+    degrees_of_freedom: np.ndarray
+    noise: np.ndarray
+    distortion: np.ndarray
+    even_distortion: np.ndarray
+    coherence: np.ndarray
+    h1: np.ndarray
+    subharmonic: np.ndarray
+    harmonics: np.ndarray
+    harmonics_sigma: np.ndarray
+    input_amplitude: np.ndarray
+    periods: np.ndarray
+    excitation: str
+    period: float
+    realisations: int
+    left_out: list[tuple[float, str]]
+    remarks: list[str]
+    names: list[str]
+    units: list[str]
+    input_unit: str
+    usable: bool
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return self.omega.size
+
+    def frequency_response(self, output: int = 0) -> FrequencyResponse:
+        """Values with their sigma as data, for ``fit(data, model, weight="given")``.
+
+        Parameters
+        ----------
+        output : int
+            Which of several, from 0.
+        """
+        rows = np.atleast_2d(self.response)
+        chosen = count(output, "output")
+        if chosen >= len(rows):
+            raise ValueError(f"output is {chosen}; the record has {len(rows)}, counted from 0")
+        if not self.usable:
+            why = self.left_out[0][1] if self.left_out else "no line or segment of the excitation was found"
+            raise ValueError(f"no point has a value with its deviation: {why}")
+        return FrequencyResponse(
+            self.omega,
+            rows[chosen],
+            np.atleast_2d(self.sigma)[chosen],
+            unit=self.units[chosen],
+            metadata={"excitation": self.excitation, **({"output": self.names[chosen]} if self.names[chosen] else {})},
+        )
+
+    def _columns(self) -> dict[str, Any]:
+        columns: dict[str, Any] = {"omega_rad_s": self.omega}
+        several = self.response.ndim == 2
+        more = {
+            "periodic": {"distortion": self.distortion, "even_distortion": self.even_distortion},
+            "stepped-sine": {"subharmonic": self.subharmonic},
+            "arbitrary": {"distortion": self.distortion, "coherence": self.coherence, "h1_re": self.h1.real, "h1_im": self.h1.imag},
+        }
+        for row, unit in enumerate(self.units):
+            label = f"_{self.names[row] or row + 1}" if several else ""
+            named_columns = {f"{name}{label or column_unit(unit)}": part for name, part in (("re", self.response.real), ("im", self.response.imag), ("sigma", self.sigma))}
+            for name in ("deviation_re", "deviation_im", "correlation", "degrees_of_freedom", "noise"):
+                named_columns[name + label] = getattr(self, name)
+            named_columns.update({name + label: part for name, part in more[self.excitation].items()})
+            for k in range(self.harmonics.shape[-1]):
+                of_order = {"re": self.harmonics.real, "im": self.harmonics.imag, "sigma": self.harmonics_sigma}
+                named_columns.update({f"harmonic{k + 2}_{name}{label}": part[..., k] for name, part in of_order.items()})
+            columns.update({name: part[row] if several else part for name, part in named_columns.items()})
+        return {**columns, f"input_amplitude{column_unit(self.input_unit)}": self.input_amplitude, "periods": self.periods}
+
+    def _head(self) -> dict[str, str]:
+        return {"excitation": self.excitation}
+
+    def plot(self, *, kind: str = "bode", ax: Any = None, **style: Any) -> Any:
+        """The response of the first output, with matplotlib; see `FrequencyResponse.plot`."""
+        return self.frequency_response().plot(kind=kind, ax=ax, **style)
+
+    def __repr__(self) -> str:
+        band = f", {short(float(self.omega[0]))} to {short(float(self.omega[-1]))} rad/s" if self.usable else ""
+        left = f", {len(self.left_out)} left out" if self.left_out else ""
+        return f"RecordResponse({self.excitation}, {self.size} point{'' if self.size == 1 else 's'}{band}{left})"
+
+    def _repr_html_(self) -> str:
+        return html_table(["remarks"] if self.remarks else [], [(each,) for each in self.remarks], repr(self))
+
+
+class Multisine(_Record, Table):
+    """A sum of sines of equal amplitude with a low peak.
+
+    Attributes
+    ----------
+    time, input : ndarray
+        s, and the samples to send.
+    lines : ndarray of int
+        Of the period, those that are excited.
+    amplitude : float
+        Of each line.
+    crest_factor : float
+        Peak over root mean square.
+    """
+
+    time: np.ndarray
+    input: np.ndarray
+    lines: np.ndarray
+    amplitude: float
+    crest_factor: float
+
+    def _columns(self) -> dict[str, Any]:
+        return {"time_s": self.time, "input": self.input}
+
+    def _head(self) -> dict[str, str]:
+        first, last = self.lines[[0, -1]].tolist()
+        numbers = {"amplitude": repr(self.amplitude), "crest_factor": repr(self.crest_factor)}
+        return {"lines": str(self.lines.size), "first_line": str(first), "last_line": str(last), **numbers}
+
+    def __repr__(self) -> str:
+        return f"Multisine({self.lines.size} lines, {self.input.size} samples, crest factor {short(self.crest_factor)})"
+
+    def _repr_html_(self) -> str:
+        return html_table([], [], repr(self))
+
+
+@named
+def response(
+    data: Any = None,
+    input: Any = None,
+    output: Any = None,
+    *,
+    reference: Any = None,
+    sample_time: float | None = None,
+    columns: str = "",
+    excitation: str | None = None,
+    period: float | None = None,
+    harmonics: int | None = None,
+) -> RecordResponse:
+    """Frequency response of an experiment, from samples over time, each value with its error.
+
+    Parameters
+    ----------
+    data : array_like, TimeSeries, path, or a list of the latter two
+        Times of the samples at equal steps, s, with `input` and `output`; or all of it: a `TimeSeries` or a file.  Several are
+        realisations of one excitation, or further steps of a stepped sine.
+    input, output : array_like
+        What drove the system and what it answered; several outputs as a list or as rows.
+    reference : array_like, optional
+        What drives a closed loop from outside; without it the input is taken as free of what disturbs the output.
+    sample_time : float, optional
+        s, in place of times.
+    columns : str
+        Which column of a file is what, by number or name, such as ``"time=1,input=2,output=3"``; keys time, input, reference,
+        output.
+    excitation : {"periodic", "stepped-sine", "arbitrary"}, optional
+        What drove the experiment; found unless given.
+    period : float, optional
+        Of a periodic excitation, s; found unless given, to a fraction of a sample.
+    harmonics : int, optional
+        Of the output under a stepped sine, the first included; 5 by default.
+
+    Raises
+    ------
+    RuntimeError
+        A file cannot be read, or holds no record at equal steps.
+    ValueError
+        Lengths differ, a sample is not finite, times are not at equal steps, or no period is found where one is asked for.
+
+    See Also
+    --------
+    multisine : what to send.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> drive = fracfit.multisine((1, 20), period=10, sample_time=0.05, periods=4).input
+    >>> answer = 2 * drive + 0.01 * np.random.default_rng(1).normal(size=drive.size)
+    >>> found = fracfit.response(input=drive, output=answer, sample_time=0.05)
+    >>> found.excitation, round(found.period, 9)
+    ('periodic', 10.0)
+    >>> data = found.frequency_response()
+    >>> round(fracfit.fit(data, "K", weight="given")["K"], 2)
+    2.0
+    """
+    kinds = ("periodic", "stepped-sine", "arbitrary")
+    if excitation is not None and text(excitation, "excitation") not in kinds:
+        raise ValueError(f"excitation is {excitation!r}; expected one of {', '.join(kinds)}")
+    if period is not None and excitation in ("stepped-sine", "arbitrary"):
+        raise ValueError(f"period has no meaning with the excitation {excitation}, which has no common one")
+    if harmonics is not None and excitation in ("periodic", "arbitrary"):
+        raise ValueError(f"harmonics has no meaning with the excitation {excitation}, whose lines mix")
+    orders = 5 if harmonics is None else count(harmonics, "harmonics", 1000)
+    step = None if sample_time is None else number(sample_time, "sample_time")
+    if step is not None and not 0 < step < np.inf:
+        raise ValueError(f"sample_time is {step:g}; allowed is above 0")
+    text(columns, "columns")
+    notes: list[str] = []
+    first: dict[str, Any] = {}
+    wholes = list(data) if isinstance(data, (list, tuple)) and data and all(map(_is_whole, data)) else [data] if _is_whole(data) else []
+    if not wholes:
+        if columns:
+            raise ValueError("columns has no meaning with arrays; it is for files")
+        records = [_of_arrays(data, input, output, reference, step)]
+    else:
+        for name, value in (("input", input), ("output", output), ("reference", reference)):
+            if value is not None:
+                raise ValueError(f"{name} has no meaning with a TimeSeries or a file, which has its own")
+        records = []
+        for each in wholes:
+            if isinstance(each, TimeSeries):
+                if columns:
+                    raise ValueError("columns has no meaning with a TimeSeries; it is for files")
+                records.append(_of_arrays(each.time if step is None else None, each.input, each.output, None, step))
+                continue
+            from . import _files
+
+            file = _files.raw_record(path_of(each, "data"), columns, step)
+            records.append(file["record"])
+            notes += [f"{os.fspath(each)}: {note}" for note in file["notes"]]
+            first = first or file
+    found = _core.response(records, excitation, None if period is None else number(period, "period"), orders)
+    return _chosen(found, notes, first)
+
+
+def _is_whole(data: Any) -> bool:
+    return isinstance(data, (str, os.PathLike, TimeSeries))
+
+
+def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray]:
+    for name, value in (("input", input), ("output", output)):
+        if value is None:
+            raise ValueError(f"{name} has no value; expected times, input and output, a TimeSeries, or the path of a file")
+    signal = real_array(input, "input")
+    is_several = output.ndim == 2 if isinstance(output, np.ndarray) else isinstance(output, (list, tuple)) and len(output) > 0 and hasattr(output[0], "__len__")
+    rows = list(output) if is_several else [output]
+    outputs = [real_array(row, "output") for row in rows]
+    drive = NO_NUMBERS if reference is None else real_array(reference, "reference")
+    for name, each in [*(("output", row) for row in outputs), *([] if reference is None else [("reference", drive)])]:
+        if each.size != signal.size:
+            raise ValueError(f"{name} has {each.size} samples and input {signal.size}; expected as many")
+    if (time is None) == (step is None):
+        raise ValueError("expected the times of the samples or sample_time, one of them")
+    return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive
+
+
+def _step_of(time: np.ndarray, size: int) -> float:
+    if time.size != size:
+        raise ValueError(f"data has {time.size} times and input {size} samples; expected as many, or sample_time=")
+    if size < 2:
+        raise ValueError(f"data has {size} times; expected at least 16")
+    steps = np.diff(time)
+    if not np.all(steps > 0) or not np.isfinite(time[-1] - time[0]):
+        raise ValueError("data are times that do not rise; expected finite ones, s, at equal steps")
+    step = float(time[-1] - time[0]) / (size - 1)
+    # As of files: no sample is missing, and none is nearer to the place of another.
+    late = np.abs((time - time[0]) / step - np.arange(size))
+    if steps.max() > 1.5 * np.median(steps) or late.max() > 0.5:
+        raise ValueError(f"data are times at steps of {steps.min():g} to {steps.max():g} s; expected equal steps")
+    return step
+
+
+def _chosen(found: dict[str, Any], notes: list[str], file: dict[str, Any]) -> RecordResponse:
+    """The points that have a deviation in all outputs, by frequency."""
+    by_row = {name for name, value in found.items() if isinstance(value, np.ndarray) and value.ndim > 1}
+    is_kept = np.isfinite(found["sigma"]).all(axis=0)
+    flags = found.pop("flags")
+    left_out = []
+    for i in np.flatnonzero(~is_kept).tolist():
+        said = [of_output[i] for row, of_output in enumerate(flags) if not np.isfinite(found["sigma"][row, i])]
+        left_out.append((float(found["omega"][i]), said[-1] or "no deviation"))
+    kept = np.flatnonzero(is_kept)
+    kept = kept[np.argsort(found["omega"][kept], kind="stable")]
+    several = len(flags) > 1
+    for name, value in found.items():
+        if name in by_row:
+            found[name] = value[:, kept] if several else value[0, kept]
+        elif isinstance(value, np.ndarray):
+            found[name] = value[kept]
+    return RecordResponse(
+        {
+            **found,
+            "left_out": left_out,
+            "remarks": notes + found["remarks"],
+            "names": file.get("names", [""] * len(flags)),
+            "units": file.get("units", [""] * len(flags)),
+            "input_unit": file.get("input_unit", ""),
+            "usable": bool(kept.size),
+        }
+    )
+
+
+@named
+def multisine(
+    band: Any,
+    *,
+    period: float,
+    sample_time: float,
+    lines: str = "odd-random",
+    peak: float = 1.0,
+    periods: int = 1,
+    rounds: int = 500,
+    seed: int = 1,
+) -> Multisine:
+    """An excitation for an experiment: a sum of sines of equal amplitude whose phases make the peak low.
+
+    Parameters
+    ----------
+    band : (float, float)
+        That is excited, rad/s.
+    period, sample_time : float
+        s; a period is a whole number of samples.
+    lines : {"odd-random", "odd", "full"}
+        Lines of the period: of four odd ones three, so that distortion of even and of odd order shows beside them; odd ones; all.
+    peak : float
+        Largest absolute value.
+    periods : int
+        Periods to send, at least three for `response` to tell noise.
+    rounds : int
+        In which the peak is lowered.
+    seed : int
+        Of phases and lines; another one is another realisation.
+
+    See Also
+    --------
+    response : what becomes of the answer.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> drive = fracfit.multisine((1, 20), period=10, sample_time=0.05, peak=2, periods=4)
+    >>> drive.input.size, round(float(abs(drive.input).max()), 9), drive.crest_factor < 1.8
+    (800, 2.0, True)
+    """
+    sent = count(periods, "periods")
+    every = number(sample_time, "sample_time")
+    if text(lines, "lines") not in ("odd-random", "odd", "full"):
+        raise ValueError(f"lines is {lines!r}; expected odd-random, odd or full")
+    made = _core.multisine(
+        pair(band, "band"), number(period, "period"), every, lines, number(peak, "peak"), seed_number(seed), count(rounds, "rounds", 1_000_000)
+    )
+    size = made["input"].size
+    if not 1 <= sent <= _MOST_SAMPLES // size:
+        raise ValueError(f"periods is {sent} of {size} samples each; allowed is 1 to {_MOST_SAMPLES // size}")
+    return Multisine({"time": np.arange(sent * size) * every, "input": np.tile(made["input"], sent), **{k: v for k, v in made.items() if k != "input"}})
