@@ -60,8 +60,6 @@ class History(_Motion):
         s, m and m/s; the force is at its peak at time 0.
     event : ndarray of str
         sample, before-impact, after-impact, rest-begin or release.
-    contact : ndarray of str
-        none, or the wall that the masses are at: near or far.
     complete : bool
         False where the millionth impact ended it early.
     usable : bool
@@ -75,7 +73,7 @@ class History(_Motion):
 
     @property
     def contact(self) -> np.ndarray:
-        """Wall that the masses are at in each row."""
+        """Wall that the masses are at in each row: none, near or far."""
         return np.array(["none", "near", "far"])[self.contact_code]
 
     def _columns(self) -> dict[str, Any]:
