@@ -239,7 +239,8 @@
     const quoted = (text) => `"${plain(text).replaceAll('"', '""')}"`;
     const lines = ['panel,curve,x_label,y_label,x,y,lower,upper'];
     for (const panel of panels) {
-      for (const curve of panel.curves.filter((each) => each.group.shown)) {
+      // Curves without a name mark points of others.
+      for (const curve of panel.curves.filter((each) => each.group.shown && each.group.label)) {
         for (const point of curve.points.filter((each) => is_visible(panel, each))) {
           const words = [panel.title, curve.group.label, panel.x.label, panel.y.label].map(quoted);
           lines.push([...words, point.x, point.y, point.lower, point.upper].join());
