@@ -515,7 +515,7 @@ def test_described_numbers_are_attributes_and_documented(cell):
         assert name in dir(cell)
         value = getattr(cell, name)
         documented = inspect.getdoc(vars(fracfit.FitResult)[name]) if name in vars(fracfit.FitResult) else fracfit.FitResult.__doc__
-        assert documented and (name in vars(fracfit.FitResult) or f"    {name} : " in documented)
+        assert documented and (name in vars(fracfit.FitResult) or f"\n{name} : " in documented)
         key = {"formula": "model", "residual_count": "residuals"}.get(name, name)
         if kind in kinds:
             assert isinstance(value, kinds[kind])
@@ -528,7 +528,7 @@ def test_ranking_and_scene_have_what_is_described():
     curves = [fracfit.describing_function(np.linspace(20, 35, 8), restitution=0.6, force=40, clearance=0.3).data()]
     for result in (ranking, fracfit.identify_scene(curves, [40], fixed={"mass1": 1}), ranking.economy):
         for name, kind, meaning, entries in fracfit._fit._fitting.described[type(result).__name__]:
-            assert hasattr(result, name) and f"    {name} : " in type(result).__doc__
+            assert hasattr(result, name) and f"\n{name} : " in type(result).__doc__
             for each in getattr(result, name) if entries and kind == "list of objects" and name != "points" else []:
                 assert set(entries.split(", ")) <= set(each)
 

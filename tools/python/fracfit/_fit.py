@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 import warnings
@@ -50,9 +51,11 @@ def _described(result: str) -> Callable[[type], type]:
         for name, kind, meaning, entries in _fitting.described[result]:
             meaning = re.sub(", see [a-z-]+", f": {entries}" if entries else "", meaning)
             if not hasattr(made, name):
-                told += f"    {name} : {re.sub('[a-z]+', lambda word: _KINDS.get(word[0].rstrip('s'), word[0]), kind)}\n"
-                told += f"        {meaning[0].upper()}{meaning[1:]}.\n"
-        made.__doc__ = (made.__doc__ or "").replace("    ----------\n", "    ----------\n" + told, 1)
+                told += f"\n{name} : {re.sub('[a-z]+', lambda word: _KINDS.get(word[0].rstrip('s'), word[0]), kind)}"
+                told += f"\n    {meaning[0].upper()}{meaning[1:]}."
+        # Python from 3.13 on takes the indentation away itself.
+        head = "Attributes\n----------"
+        made.__doc__ = inspect.cleandoc(made.__doc__ or "").replace(head, head + told, 1)
         return made
 
     return described
