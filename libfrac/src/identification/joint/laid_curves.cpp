@@ -98,7 +98,8 @@ JointFitOptions with_free_shifts(const JointFitOptions& options, const Structure
   return free;
 }
 
-/// Weights of the shift factors of the curves: 1 over the standard error of their logarithms.  On a plateau it is 0.
+/// Weights of the shift factors of the curves: 1 over the standard error of their logarithms in white noise; what a
+/// smooth error may add says nothing of where the law goes.  On a plateau it is 0.
 std::vector<double> weights_of_shifts(JointSearch& search, const Structure& structure) {
   const JointConfidence found = joint_confidence(search.problem(), search.layout(), search.point);
   constexpr double least = 0.1, most = 10;  // a better one need not be followed more closely, a worse one tells nothing
@@ -109,7 +110,9 @@ std::vector<double> weights_of_shifts(JointSearch& search, const Structure& stru
     const auto k = static_cast<Eigen::Index>(place.index);
     for (std::size_t c = 0; c < error.size(); ++c) {
       if (search.layout().is_held(c, place.index)) continue;
-      const double here = found.own_at_bound[c][place.index] ? most : std::sqrt(found.curve[c](k, k));
+      const double here = found.own_at_bound[c][place.index]
+                              ? most
+                              : std::sqrt(found.curve[c](k, k)) / found.own_widening[c][place.index];
       error[c] = here < most ? std::max(error[c], here) : most;
     }
   }
