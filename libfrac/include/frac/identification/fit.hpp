@@ -234,9 +234,9 @@ struct FitResult {
   /// Correlation of neighbouring values of the noise, or of a smooth error of the model, that the intervals allow for:
   /// the mean over what the residuals leave possible, noise without any (0) included.  NaN where nothing was fitted.
   double noise_correlation = 0;
-  /// Root mean square of the part of the residuals that goes smoothly along ln omega or time, by an error of the data
+  /// Root mean square of the part of the residuals that goes smoothly along ln omega, by an error of the data
   /// (cables, calibration, drift) or of the model, in the unit of rms; the intervals allow for it.  The mean over what
-  /// the residuals leave possible; NaN where nothing was fitted.
+  /// the residuals leave possible; 0 over time, NaN where nothing was fitted.
   double smooth_error = 0;
   /// Parameters that the residuals tell: all free ones but for the shares that priors tell.
   double effective_parameters = 0;

@@ -10,7 +10,7 @@ namespace frac::detail {
 /// Where residuals stand: points in order, `per_point` residuals of each.
 struct ResidualAxis {
   std::size_t per_point = 1;
-  std::vector<double> position = {};  // of the points, not falling: ln omega, or time in s; empty where there is none
+  std::vector<double> position = {};  // of the points, not falling: ln omega; empty over time
   /// What residuals of each point are multiplied by, a pair as real and imaginary part, to be errors relative to the
   /// model as far as they are relative to the data: an error of a gain or of a cable turns with the response, and
   /// weights by the data would bring their noise into columns of the model.  Empty: 1.
