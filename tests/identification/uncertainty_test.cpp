@@ -240,10 +240,16 @@ TEST(SmoothError, OfManyPointsIsThatOfBlocks) {
   Eigen::MatrixXd covariance(points, points);
   for (std::size_t i = 0; i < points; ++i) {
     axis.position.push_back(static_cast<double>(i));
+    axis.factor.push_back(1 + 0.3 * std::sin(static_cast<double>(i)));
     residual.push_back(random.normal() + 2 * std::sin(static_cast<double>(i) / 150));
   }
   const Eigen::MatrixXd basis = Eigen::MatrixXd::Constant(points, 1, 1 / std::sqrt(static_cast<double>(points)));
-  const Eigen::Map<const Eigen::VectorXd> r(residual.data(), points);
+  Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(residual.data(), points), x = basis.col(0);
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    const double factor = axis.factor[static_cast<std::size_t>(i)].real();
+    r[i] *= factor;
+    x[i] *= factor;
+  }
   const frac::detail::SmoothError smooth(residual, basis, axis);
   for (const double share : {0.1, 0.7}) {
     constexpr double length = 200;
@@ -254,13 +260,11 @@ TEST(SmoothError, OfManyPointsIsThatOfBlocks) {
       }
     }
     const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-    const double known = basis.col(0).dot(factor.solve(basis.col(0))), pull = basis.col(0).dot(factor.solve(r));
+    const double known = x.dot(factor.solve(x)), pull = x.dot(factor.solve(r));
     const double left = r.dot(factor.solve(r)) - pull * pull / known;
     const double degrees = points - 1;
     EXPECT_NEAR(smooth.at(share, length).variance / (left / degrees), 1, 1e-3) << share;
-    EXPECT_NEAR(
-        smooth.variance(smooth.influence(basis.col(0)), share, length) / basis.col(0).dot(covariance * basis.col(0)), 1,
-        1e-3)
+    EXPECT_NEAR(smooth.variance(smooth.influence(basis.col(0)), share, length) / x.dot(covariance * x), 1, 1e-3)
         << share;
   }
 }

@@ -14,11 +14,10 @@ namespace frac::detail {
 ///
 /// One of three is true: the noise is white; or it is of first order, e_i = r e_(i-1) + white with 0 < r < 1, every r
 /// alike beforehand; or it is white beside a smooth error (SmoothError), every share of the variance alike, and every
-/// length of it alike in its logarithm.  The likelihood is that of the residuals
-/// with the fitted columns integrated out (restricted likelihood), so that the share of the noise the parameters have
-/// taken does not hide the others.  Nothing is decided between the three: variances are averaged with the probabilities
-/// that the residuals give to each, so that little is added where neighbours are unrelated, and what the residuals
-/// leave open is counted.
+/// length of it alike in its logarithm.  The likelihood is that of the residuals with the fitted columns integrated out
+/// (restricted likelihood), so that the share of the noise the parameters have taken does not hide the others.  Nothing
+/// is decided between the three: variances are averaged with the probabilities that the residuals give to each, so that
+/// little is added where neighbours are unrelated, and what the residuals leave open is counted.
 class CorrelatedNoise {
  public:
   /// White noise, for results that have no residuals to tell.

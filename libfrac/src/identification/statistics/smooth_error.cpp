@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <utility>
 
 #include "base/linear_algebra.hpp"
 
@@ -39,24 +41,30 @@ struct Matern {
 
 }  // namespace
 
-template <class Column>
-Eigen::RowVectorXd SmoothError::turned(const Column& column, std::size_t point) const {
-  const auto first = static_cast<Eigen::Index>(point * axis_.per_point);
-  Eigen::RowVectorXd values(static_cast<Eigen::Index>(axis_.per_point));
-  for (Eigen::Index part = 0; part < values.size(); ++part) values[part] = column[first + part];
-  if (axis_.factor.empty()) return values;
-  if (values.size() == 1) return values * axis_.factor[point].real();
-  const std::complex<double> turned = std::complex<double>(values[0], values[1]) * axis_.factor[point];
-  values << turned.real(), turned.imag();
-  return values;
+Eigen::MatrixXd SmoothError::turned(Eigen::MatrixXd columns) const {
+  for (std::size_t i = 0; i < axis_.factor.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i * axis_.per_point);
+    const std::complex<double> factor = axis_.factor[i];
+    for (Eigen::Index column = 0; column < columns.cols(); ++column) {
+      double& first = columns(row, column);
+      if (axis_.per_point == 1) {
+        first *= factor.real();
+        continue;
+      }
+      double& second = columns(row + 1, column);
+      const std::complex<double> pair = std::complex<double>(first, second) * factor;
+      first = pair.real();
+      second = pair.imag();
+    }
+  }
+  return columns;
 }
 
-template <class Column>
-Eigen::MatrixXd SmoothError::block_sums(const Column& column) const {
-  Eigen::MatrixXd sums =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), static_cast<Eigen::Index>(axis_.per_point));
-  for (std::size_t i = 0; i < axis_.position.size(); ++i)
-    sums.row(static_cast<Eigen::Index>(i / block_)) += turned(column, i);
+Eigen::MatrixXd SmoothError::block_sums(const Eigen::VectorXd& column) const {
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), parts);
+  for (Eigen::Index row = 0; row < column.size(); ++row)
+    sums(row / (parts * static_cast<Eigen::Index>(block_)), row % parts) += column[row];
   return sums;
 }
 
@@ -74,25 +82,18 @@ SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd
   for (std::size_t b = 0; b < position_.size(); ++b) position_[b] /= points_[b];
   spacing_ = (position_.back() - position_.front()) / std::max(1.0, static_cast<double>(position_.size()) - 1);
 
-  const auto rows = static_cast<Eigen::Index>(residual.size());
-  const Eigen::Map<const Eigen::VectorXd> left(residual.data(), rows);
   const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  means_.resize(static_cast<Eigen::Index>(position_.size()) * parts, width_ + 1);
-  for (Eigen::Index column = 0; column <= width_; ++column) {
-    const Eigen::MatrixXd sums = column < width_ ? block_sums(basis.col(column)) : block_sums(left);
+  Eigen::MatrixXd all(basis.rows(), width_ + 1);
+  all << basis, Eigen::Map<const Eigen::VectorXd>(residual.data(), basis.rows());
+  all = turned(std::move(all));
+  means_.resize(static_cast<Eigen::Index>(position_.size()) * parts, all.cols());
+  for (Eigen::Index column = 0; column < all.cols(); ++column) {
+    const Eigen::MatrixXd sums = block_sums(all.col(column));
     for (Eigen::Index row = 0; row < means_.rows(); ++row)
       means_(row, column) = sums(row / parts, row % parts) / std::sqrt(points_[static_cast<std::size_t>(row / parts)]);
   }
-  within_ = Rows::Zero(width_ + 1, width_ + 1);
-  if (block_ > 1) {
-    Eigen::MatrixXd all(rows, width_ + 1);
-    all << basis, left;
-    for (std::size_t i = 0; i < axis_.factor.size(); ++i) {
-      for (Eigen::Index column = 0; column <= width_; ++column)
-        all.col(column).segment(static_cast<Eigen::Index>(i) * parts, parts) = turned(all.col(column), i).transpose();
-    }
-    within_ = all.transpose() * all - means_.transpose() * means_;
-  }
+  within_ = Rows::Zero(all.cols(), all.cols());
+  if (block_ > 1) within_ = all.transpose() * all - means_.transpose() * means_;
 }
 
 double SmoothError::longest() const {
@@ -144,9 +145,8 @@ SmoothError::Likelihood SmoothError::at(double share, double length) const {
 }
 
 SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each) const {
-  Influence result{0, block_sums(each)};
-  for (std::size_t i = 0; i < axis_.position.size(); ++i) result.square += turned(each, i).squaredNorm();
-  return result;
+  const Eigen::VectorXd column = turned(each);
+  return {column.squaredNorm(), block_sums(column)};
 }
 
 double SmoothError::variance(const Influence& of, double share, double length) const {

@@ -42,11 +42,10 @@ class SmoothError {
   [[nodiscard]] double variance(const Influence& of, double share, double length) const;
 
  private:
-  /// Values of a column at a point: those of its residuals, times the factor of the point.
-  template <class Column>
-  [[nodiscard]] Eigen::RowVectorXd turned(const Column& column, std::size_t point) const;
-  template <class Column>
-  [[nodiscard]] Eigen::MatrixXd block_sums(const Column& column) const;
+  /// Columns times the factors of the points.
+  [[nodiscard]] Eigen::MatrixXd turned(Eigen::MatrixXd columns) const;
+  /// Sums of a turned column over the blocks: blocks x residuals of a point.
+  [[nodiscard]] Eigen::MatrixXd block_sums(const Eigen::VectorXd& column) const;
 
   ResidualAxis axis_;
   std::size_t block_;             // points of a block but the last
