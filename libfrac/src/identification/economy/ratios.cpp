@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -63,8 +64,8 @@ class Ratios {
   EconomyCurve curve(EconomyClass model_class) {
     EconomyCurve result{std::string(to_string(model_class)), model_class, {}};
     std::vector<std::vector<RationalFit>> by_count(most_);
+    search();
     for (std::size_t poles = 0; poles < most_; ++poles) {
-      search(poles);
       for (const Ratio& ratio : by_poles_[poles]) {
         auto& all = by_count[poles + ratio.numerator.seen - 1];
         all.insert(all.end(), ratio.found.begin(), ratio.found.end());
@@ -231,14 +232,41 @@ class Ratios {
     ratio.starts.push_back({shape_of(ratio.numerator, denominator), cost, 0});
   }
 
-  void refine(std::vector<Ratio>& list, std::size_t tried) {
-    constexpr std::size_t kept = 3;
+  /// A few steps from the best starts of each ratio, and to the end from the best of these for each number of
+  /// coefficients.
+  void refine(std::vector<Ratio>& list, std::size_t tried) const {
+    constexpr std::size_t kept = 3, ended = 12;
+    constexpr double hopeless = 1e4;  // a few steps seldom take a start below the hundredth part of its error
+    constexpr Effort few_steps{6, scouting.settled};
+    std::map<std::size_t, double> least;
+    for (const Ratio& ratio : list) {
+      double& cost = least.try_emplace(ratio.numerator.seen, infinity).first->second;
+      for (const auto* fits : {&ratio.starts, &ratio.found}) {
+        for (const RationalFit& fit : *fits) cost = std::min(cost, fit.cost);
+      }
+    }
+    std::map<std::size_t, std::vector<std::pair<Ratio*, RationalFit>>> begun;
     for (Ratio& ratio : list) {
       keep_best(ratio.starts, tried);
-      for (const RationalFit& start : ratio.starts) ratio.found.push_back(scout_.refine(start.shape, thorough));
+      std::vector<RationalFit> fits;
+      for (const RationalFit& start : ratio.starts) {
+        if (start.cost <= hopeless * least[ratio.numerator.seen]) {
+          fits.push_back(scout_.refine(start.shape, few_steps));
+        }
+      }
       ratio.starts.clear();
-      keep_best(ratio.found, kept);
+      keep_best(fits, kept);
+      for (RationalFit& fit : fits) begun[ratio.numerator.seen].emplace_back(&ratio, std::move(fit));
     }
+    for (auto& [seen, all] : begun) {
+      std::stable_sort(all.begin(), all.end(),
+                       [](const auto& a, const auto& b) { return a.second.cost < b.second.cost; });
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        auto& [ratio, fit] = all[i];
+        ratio->found.push_back(i < ended ? scout_.refine(fit.shape, thorough) : std::move(fit));
+      }
+    }
+    for (Ratio& ratio : list) keep_best(ratio.found, kept);
   }
 
   /// Of each number of coefficients the best ratios of all offsets.
@@ -267,36 +295,65 @@ class Ratios {
                std::min(largest_offset, from.first + around));
   }
 
-  void search(std::size_t poles) {
-    std::vector<Ratio> list = ratios(poles);
-    constexpr std::size_t parents = 4, exchanged = 3, rounds = 2, tried = 5, tried_again = 3;
-    RationalShape none;
-    none.free_order = free_order_;
-    for (std::size_t roots = 0; roots <= std::min<std::size_t>(poles, 2); ++roots) {
-      if (roots == poles) {
-        add_minima(lattice(none, roots), list, -largest_offset, largest_offset);
-      } else if (roots > 0) {
-        for (const auto& parent : best_of(by_poles_[poles - roots], parents)) grow(parent, roots, list);
+  /// A denominator as a start of every numerator.
+  void offer(const RationalShape& denominator, std::vector<Ratio>& list) const {
+    const std::vector<double> each = costs(denominator, list, -largest_offset, largest_offset);
+    for (std::size_t k = 0; k < list.size(); ++k) add_start(list[k], denominator, each[k]);
+  }
+
+  static RationalShape without(RationalShape shape, std::size_t factor) {
+    shape.factors.erase(shape.factors.begin() + static_cast<std::ptrdiff_t>(factor));
+    return shape;
+  }
+
+  /// From the best of fewer poles, with a factor more.
+  void add_from_fewer(std::size_t poles, std::size_t parents, std::vector<Ratio>& list) const {
+    for (std::size_t roots = 1; roots <= std::min<std::size_t>(poles, 2); ++roots) {
+      for (const auto& parent : best_of(by_poles_[poles - roots], parents)) grow(parent, roots, list);
+    }
+  }
+  /// From the best of more poles, with a factor less.
+  void add_from_more(std::size_t poles, std::size_t parents, std::vector<Ratio>& list) const {
+    for (std::size_t roots = 1; roots <= 2 && poles + roots < most_; ++roots) {
+      for (const auto& [offset, shape] : best_of(by_poles_[poles + roots], parents)) {
+        for (std::size_t k = 0; k < shape.factors.size(); ++k) {
+          if (shape.factors[k].pair == (roots == 2)) offer(without(shape, k), list);
+        }
       }
     }
-    refine(list, tried);
-    // A denominator that suits one numerator may suit another, and a factor that suited a smaller ratio may suit the
-    // larger one elsewhere.
-    for (std::size_t round = 0; round < rounds; ++round) {
+  }
+
+  /// Upwards in the number of poles, and twice down and up again: what suits a larger ratio may have escaped the
+  /// smaller one.
+  void search() {
+    constexpr std::size_t parents = 4, fewer_parents = 2, exchanged = 3, tried = 8, tried_again = 4, passes = 2;
+    RationalShape none;
+    none.free_order = free_order_;
+    for (std::size_t poles = 0; poles < most_; ++poles) {
+      std::vector<Ratio>& list = by_poles_.emplace_back(ratios(poles));
+      if (poles <= 2) add_minima(lattice(none, poles), list, -largest_offset, largest_offset);
+      add_from_fewer(poles, parents, list);
+      refine(list, tried);
+      // A denominator that suits one numerator may suit another, and a factor that suited a smaller ratio may suit the
+      // larger one elsewhere.
       for (const auto& [offset, shape] : best_of(list, exchanged)) {
-        const std::vector<double> each = costs(shape, list, -largest_offset, largest_offset);
-        for (std::size_t k = 0; k < list.size(); ++k) {
-          if (list[k].found.empty() || each[k] < list[k].found.front().cost) add_start(list[k], shape, each[k]);
-        }
+        offer(shape, list);
         for (std::size_t k = 0; k < shape.factors.size(); ++k) {
-          RationalShape rest = shape;
-          rest.factors.erase(rest.factors.begin() + static_cast<std::ptrdiff_t>(k));
-          grow({offset, rest}, shape.factors[k].pair ? 2 : 1, list);
+          grow({offset, without(shape, k)}, shape.factors[k].pair ? 2 : 1, list);
         }
       }
       refine(list, tried_again);
     }
-    by_poles_.push_back(std::move(list));
+    for (std::size_t pass = 0; pass < passes; ++pass) {
+      for (std::size_t poles = most_; poles-- > 0;) {
+        add_from_more(poles, exchanged, by_poles_[poles]);
+        refine(by_poles_[poles], tried_again);
+      }
+      for (std::size_t poles = 1; poles < most_; ++poles) {
+        add_from_fewer(poles, fewer_parents, by_poles_[poles]);
+        refine(by_poles_[poles], tried_again);
+      }
+    }
   }
 
   const EconomyProblem& given_;
