@@ -4,10 +4,10 @@
 //   verdict_rates [--systems N] [--seed S] [--noise LIST] [--points LIST] [--decades LIST] [--component LIST]
 //   verdict_rates --directory DIR [--component PART]
 //
-// Prints one row per cell: how many files, and how many of them were called supported, not-supported, undecided and
-// no-adequate-model.  "false supported" counts integer-order systems called supported, "false not-supported" fractional
-// ones called not-supported.  A directory holds CSV files (omega_rad_s,re,im) and truth.csv with the columns file,kind;
-// kind is fractional or integer.
+// Prints one row per cell: how many files, and how many of them were called supported (with fractional-or-distribution),
+// not-supported, undecided and no-adequate-model.  "false supported" counts integer-order systems called supported,
+// "false not-supported" fractional ones called not-supported.  A directory holds CSV files (omega_rad_s,re,im) and
+// truth.csv with the columns file,kind; kind is fractional or integer.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -146,7 +146,7 @@ struct Counts {
   double seconds = 0;
   void add(frac::Verdict verdict) {
     ++files;
-    supported += verdict == frac::Verdict::fractional_supported;
+    supported += frac::refuses_whole_orders(verdict);
     not_supported += verdict == frac::Verdict::fractional_not_supported;
     undecided += verdict == frac::Verdict::undecided;
     inadequate += verdict == frac::Verdict::no_adequate_model;
@@ -297,10 +297,10 @@ int main(int argc, char** argv) {
         counts->add(answers[i].verdict);
       }
     }
-    const bool wrong = answers[i].verdict == (cases[i].fractional ? frac::Verdict::fractional_not_supported
-                                                                  : frac::Verdict::fractional_supported);
-    const bool decided = wrong || answers[i].verdict == (cases[i].fractional ? frac::Verdict::fractional_supported
-                                                                             : frac::Verdict::fractional_not_supported);
+    const bool refused = frac::refuses_whole_orders(answers[i].verdict),
+               kept = answers[i].verdict == frac::Verdict::fractional_not_supported;
+    const bool wrong = cases[i].fractional ? kept : refused;
+    const bool decided = kept || refused;
     if (given["--verbose"] == "2" || (given["--verbose"] == "1" && (!decided || wrong || answers[i].failed)))
       std::fprintf(stderr, "%s %s | %s | %s\n",
                    wrong     ? "WRONG"

@@ -117,7 +117,7 @@ void keep_to_verdict(IdentificationResult& result) {
     return;
   }
   if (result.verdict == Verdict::no_adequate_model) return;
-  const bool supported = result.verdict == Verdict::fractional_supported;
+  const bool supported = refuses_whole_orders(result.verdict);
   const bool is_fractional = ranked(result.chosen).model_class == ModelClass::fractional;
   if (is_fractional != supported) result.chosen = (supported ? *result.fractional : *result.integer).index;
 }
@@ -341,6 +341,8 @@ std::string_view to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::fractional_supported:
       return "supported";
+    case Verdict::fractional_or_distribution:
+      return "fractional-or-distribution";
     case Verdict::fractional_not_supported:
       return "not-supported";
     case Verdict::undecided:

@@ -37,6 +37,7 @@ constexpr std::array results{
     DescribedResult{"identification", frac::described_numbers<frac::IdentificationResult>},
     DescribedResult{"candidate", frac::described_numbers<frac::RankedFit>},
     DescribedResult{"finalist", frac::described_numbers<frac::Finalist>},
+    DescribedResult{"distribution", frac::described_numbers<frac::DistributionRival>},
     DescribedResult{"next-measurement", frac::described_numbers<frac::NextMeasurement>},
     DescribedResult{"joint-fit", frac::described_numbers<frac::JointFitResult>},
     DescribedResult{"joint-curve", frac::described_numbers<frac::JointCurveResult>},

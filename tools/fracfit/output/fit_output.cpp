@@ -489,6 +489,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
   json["next_measurement"] = json_of(result.next);
+  json["distribution"] = json_of(result.distribution);
   json["economy"] = run.economy ? economy_json(*run.economy) : Json();
   json["skipped"] = result.skipped;
   return json.dump() + "\n";

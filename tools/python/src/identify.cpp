@@ -42,6 +42,7 @@ py::dict dict_of_ranking(const frac::IdentificationResult& result) {
     dict["next_accuracy"] = result.next->accuracy;
     dict["next_evidence"] = result.next->expected_evidence;
   }
+  dict["distribution"] = result.distribution ? py::object(dict_of(*result.distribution)) : py::none();
   return dict;
 }
 

@@ -194,11 +194,20 @@ void describe(Result& result, const Visit& visit) {
         result.expected_evidence);
 }
 
+template <ResultOf<DistributionRival> Result, class Visit>
+void describe(Result& result, const Visit& visit) {
+  visit("model", "", "lags with distributed times, in words", result.model);
+  visit("parameters", "1", "number of parameters adjusted to the data", result.parameters);
+  visit("relative_rms", "1", "rms of the weighted residuals over that of the data", result.relative_rms);
+  visit("evidence", "1", "evidence of the fractional finalist against it", result.evidence);
+}
+
 template <ResultOf<IdentificationResult> Result, class Visit>
 void describe(Result& result, const Visit& visit) {
   visit("ranking", "", "candidates, best first, see candidate", result.ranking);
   visit("skipped", "", "candidates that could not be fitted, with the reason", result.skipped);
-  visit("verdict", "", "supported, not-supported, undecided or no-adequate-model", result.verdict);
+  visit("verdict", "", "supported, fractional-or-distribution, not-supported, undecided or no-adequate-model",
+        result.verdict);
   visit("evidence", "1", "twice the logarithm of the odds of fractional to integer order, by these data",
         result.evidence);
   visit("departure_evidence", "1", "evidence for an order at least 0.1 from every whole number",

@@ -36,8 +36,18 @@ struct RankedFit {
   std::vector<std::string> also;
 };
 
-enum class Verdict { fractional_supported, fractional_not_supported, undecided, no_adequate_model };
+enum class Verdict {
+  fractional_supported,
+  fractional_or_distribution,
+  fractional_not_supported,
+  undecided,
+  no_adequate_model
+};
 [[nodiscard]] std::string_view to_string(Verdict verdict);
+/// Whether whole orders do not explain the data.
+[[nodiscard]] constexpr bool refuses_whole_orders(Verdict verdict) {
+  return verdict == Verdict::fractional_supported || verdict == Verdict::fractional_or_distribution;
+}
 
 /// One of the two models a verdict compares.
 struct Finalist {
@@ -58,6 +68,15 @@ struct NextMeasurement {
   double accuracy;           // standard deviation of their weighted residuals
   double relative_accuracy;  // the same as a share of the response in the middle of the band
   double expected_evidence;  // by which evidence is expected to change, in favour of the true one of the two
+};
+
+/// Up to three sums of lags g/(1 + s t) whose times t are spread about a centre, with ln t normal or even between two
+/// ends, and a constant, s and 1/s where they pay: what else than a fractional power bends a response over decades.
+struct DistributionRival {
+  std::string model;       // in words, times in s
+  std::size_t parameters;  // adjusted to the data
+  double relative_rms;     // of the weighted residuals, over that of the weighted data
+  double evidence;         // of the fractional finalist against it, as IdentificationResult::evidence
 };
 
 /// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
@@ -89,6 +108,9 @@ struct NextMeasurement {
 ///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
 ///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
 ///                one, and no integer-order candidate that could not be fitted.
+/// fractional or
+/// distribution   the same, but distributed relaxation times (DistributionRival) follow the data as well or better:
+///                evidence against them is not above 10.
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
 ///                NamedModel::ends_its_family), nor do residuals below 1e-4 of the data fall evenly from pole to pole,
 ///                and it predicts not worse by more than a twentieth, extrapolates not by more than a half (both a half
@@ -126,6 +148,8 @@ struct IdentificationResult {
   std::optional<std::size_t> set_aside;
   std::vector<Advice> advice = {};              // what would help against what the sentence says
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
+  /// What a fractional order that whole orders do not replace was compared with; unset otherwise, and over time.
+  std::optional<DistributionRival> distribution = {};
   /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give
   /// evidence/(2 ln 10), and departure evidence takes its place where the fractional finalist has whole orders or
   /// the verdict is not-supported against evidence above 0; it compares two models, and with a probability of 0.05, or

@@ -14,6 +14,8 @@ using Index = Eigen::Index;
 constexpr double beyond_band = 7;
 // From a peak of 4000, which data show none sharper than, to a damping of a half: beyond it two arcs say the same.
 constexpr double least_log_damping = -9, most_log_damping = -0.7;
+// Times spread by a twentieth of an e-fold are one time to 1e-3 of its lag, and by 400 they are every time of any band.
+constexpr double least_log_width = -3, most_log_width = 6;
 
 Eigen::ArrayXcd scaled(const Term& term, const ProjectedData& data) {
   return data.s().array() * std::exp(-term.log_size);
@@ -24,8 +26,53 @@ Eigen::ArrayXcd denominator(const Term& mode, const Eigen::ArrayXcd& x) {
   return 1.0 + x * (2 * std::exp(mode.log_damping) + x);
 }
 
+/// A spread of lags with its changes by ln T and by ln width.
+struct Spread {
+  Eigen::ArrayXcd value, by_size, by_width;
+};
+
+/// With x = s T the mean of v(u) = 1/(1 + x e^u) over |u| < w is 1 - L/(2 w), L = ln(1 + x e^w) - ln(1 + x e^-w).
+Spread even_spread(const Eigen::ArrayXcd& x, double width) {
+  const Eigen::ArrayXcd upper = 1.0 + x * std::exp(width), lower = 1.0 + x * std::exp(-width);
+  const Eigen::ArrayXcd share = (upper.log() - lower.log()) / (2 * width);
+  const Eigen::ArrayXcd fast = 1.0 / lower, slow = 1.0 / upper;
+  return {1.0 - share, (slow - fast) / (2 * width), share - 1.0 + (fast + slow) / 2.0};
+}
+
+/// The mean of v(u) over normal u by the trapezoidal rule of step h.  Its error is exp(-2 pi d/h + d^2/(2 w^2)) for
+/// each d within which the integrand has no pole, here pi/2, and thus below 1e-9.
+Spread normal_spread(const Eigen::ArrayXcd& x, double width) {
+  constexpr double deviations = 7, pole_step = 0.3, density_step = 0.85;
+  const double step = std::min(pole_step, density_step * width);
+  const int half = static_cast<int>(std::ceil(deviations * width / step));
+  const Index points = x.size();
+  Spread spread{Eigen::ArrayXcd::Zero(points), Eigen::ArrayXcd::Zero(points), Eigen::ArrayXcd::Zero(points)};
+  double total = 0;
+  for (int k = -half; k <= half; ++k) {
+    const double u = k * step, weight = std::exp(-0.5 * u * u / (width * width));
+    const Eigen::ArrayXcd value = 1.0 / (1.0 + x * std::exp(u)), change = weight * value * (value - 1.0);
+    total += weight;
+    spread.value += weight * value;
+    spread.by_size += change;
+    spread.by_width += u * change;
+  }
+  spread.value /= total;
+  spread.by_size /= total;
+  spread.by_width /= total;
+  return spread;
+}
+
+Spread spread_of(const Term& term, const ProjectedData& data) {
+  const double width = std::exp(term.log_width);
+  const Eigen::ArrayXcd x = scaled(term, data);
+  return term.kind == Term::Kind::even_spread ? even_spread(x, width) : normal_spread(x, width);
+}
+
 Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
   switch (term.kind) {
+    case Term::Kind::normal_spread:
+    case Term::Kind::even_spread:
+      return spread_of(term, data).value;
     case Term::Kind::arc:
       return (1.0 + data.power(term.order, -term.log_size)).inverse();
     case Term::Kind::mode: {
@@ -68,6 +115,12 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
     const Term& term = sum[k];
     if (term.nonlinear() == 0) continue;
     const double coefficient = linear.coefficients[static_cast<Index>(k)];
+    if (term.is_spread()) {
+      const Spread spread = spread_of(term, *this);
+      result.col(column++) = (-coefficient * spread.by_size).matrix();
+      result.col(column++) = (coefficient * spread.by_width).matrix();
+      continue;
+    }
     const Eigen::ArrayXcd value = column_of(term, *this);
     if (term.kind == Term::Kind::mode) {
       const Eigen::ArrayXcd x = scaled(term, *this), damped = 2 * std::exp(term.log_damping) * x,
@@ -96,6 +149,7 @@ Reach TermProblem::reach(const TermSum& sum) const {
       result.add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);
     }
     if (term.kind == Term::Kind::mode) result.add(e_folds, term.log_damping, least_log_damping, most_log_damping);
+    if (term.is_spread()) result.add(1, term.log_width, least_log_width, most_log_width);
     if (term.held) continue;
     const bool arc = term.kind == Term::Kind::arc;
     result.add(of_order, term.order, arc ? least_arc_order : -most_power, arc ? 1.0 : most_power);
@@ -109,6 +163,7 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
   for (Term& term : next) {
     if (term.kind != Term::Kind::power) term.log_size += step[column++];
     if (term.kind == Term::Kind::mode) term.log_damping += step[column++];
+    if (term.is_spread()) term.log_width += step[column++];
     if (!term.held) term.order += step[column++];
   }
   return next;
@@ -134,6 +189,12 @@ TermFit TermProblem::refine(TermSum sum, const Effort& effort) const {
   }
   const std::size_t count = parameters(sum, linear.orthonormal.cols());
   return {std::move(sum), linear.cost, count};
+}
+
+std::vector<Complex> TermProblem::response(const TermSum& sum) const {
+  Linear linear;
+  if (!solve(columns(sum), linear)) return {};
+  return {linear.model.begin(), linear.model.end()};
 }
 
 std::vector<double> TermProblem::coefficients(const TermSum& sum) const {

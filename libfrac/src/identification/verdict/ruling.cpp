@@ -138,6 +138,10 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
           pair.orders.departure > 0 ? "; every order of the fractional one is whole" : ""};
 }
 
+bool decides(double evidence) {
+  return evidence > supported_evidence;
+}
+
 bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
   const bool refused = verdict == Verdict::fractional_not_supported && result.evidence > 0;
   return refused || (pair.orders.any_free && pair.orders.all_nearly_whole);

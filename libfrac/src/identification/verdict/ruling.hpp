@@ -30,6 +30,9 @@ struct Ruling {
 [[nodiscard]] Ruling ruling(const IdentificationResult& result, const Comparison& pair,
                             const std::vector<std::string>& skipped_rivals);
 
+/// Whether evidence for one of two models, whose odds were equal before, leaves the other one out.
+[[nodiscard]] bool decides(double evidence);
+
 /// Whether the odds of the two classes follow from the departure evidence.  They do where the fractional finalist has
 /// whole orders, so that its evidence does not speak for fractional orders, and where the verdict is not-supported
 /// although evidence is above 0.

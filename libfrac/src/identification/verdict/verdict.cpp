@@ -9,6 +9,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/statistics/autocorrelation.hpp"
+#include "identification/verdict/distribution_rival.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/next_measurement.hpp"
 #include "identification/verdict/prediction.hpp"
@@ -162,6 +163,11 @@ void compare(IdentificationResult& result, const Data& data, const Options& opti
   predict(data, options, pair.integer, *result.integer);
 
   Ruling decided = ruling(result, pair, skipped_rivals);
+  if (decided.verdict == Verdict::fractional_supported) {
+    result.distribution = distribution_rival(data, options, pair.fractional, pair.share);
+    if (result.distribution && !decides(result.distribution->evidence))
+      decided.verdict = Verdict::fractional_or_distribution;
+  }
   const bool departing = departure_decides(result, pair, decided.verdict);
   result.log10_odds = log10_odds(departing ? result.departure_evidence : result.evidence, decided.verdict);
   const bool undecided = decided.verdict == Verdict::undecided;

@@ -18,6 +18,13 @@ std::string how_far_off(const LackOfFit& lack) {
              : "its neighbouring residuals" + correlated;
 }
 
+std::string note_on_distribution(const DistributionRival& distribution) {
+  return "Of distributions of relaxation times the best is " + distribution.model + " (" +
+         counted(distribution.parameters, "parameter") + ", rms " + four_digits(100 * distribution.relative_rms) +
+         " %)" + "; evidence for the fractional one against it is " + four_digits(distribution.evidence) +
+         (decides(distribution.evidence) ? "." : ", which above 10 would leave it out.");
+}
+
 std::string list_of_bands(const LackOfFit& lack, const AxisUnit& unit) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(lack.misses.size(), 3); ++i) {
@@ -111,6 +118,13 @@ std::string verdict_sentence(const IdentificationResult& result, const Compariso
   switch (ruling.verdict) {
     case Verdict::fractional_supported:
       return "A fractional order is supported: " + rivals + decided_order(pair.orders) + ".";
+    case Verdict::fractional_or_distribution:
+      return (decides(-result.distribution->evidence)
+                  ? "A distribution of relaxation times rather than a fractional power: "
+                  : "A fractional power or a distribution of relaxation times: ") +
+             described(pair.fractional.ranked) + " against " + "lags of spread times (" +
+             counted(result.distribution->parameters, "parameter") + ", rms " +
+             four_digits(100 * result.distribution->relative_rms) + " %).";
     case Verdict::fractional_not_supported:
       return "A fractional order is not supported: " + rivals + ".";
     default:
@@ -121,6 +135,7 @@ std::string verdict_sentence(const IdentificationResult& result, const Compariso
 std::vector<std::string> verdict_notes(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
                                        const AxisUnit& unit) {
   std::vector<std::string> notes{note_on_evidence(result, pair, ruling), note_on_predictions(result)};
+  if (result.distribution) notes.push_back(note_on_distribution(*result.distribution));
   if (result.model_error) {
     notes.emplace_back("Neither follows the data to within their noise, and what is left is taken for model error.");
   } else {
