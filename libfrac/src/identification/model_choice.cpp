@@ -156,6 +156,7 @@ std::optional<NamedModel> family_from_data(GrowthFamily family) {
     case GrowthFamily::rational:
     case GrowthFamily::commensurate:
     case GrowthFamily::terms:
+    case GrowthFamily::elements:
       return find_model(to_string(family));
     default:
       return std::nullopt;

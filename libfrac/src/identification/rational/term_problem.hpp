@@ -9,18 +9,30 @@
 
 namespace frac::detail {
 
-/// One term of a sum: s^order, an arc 1/(1 + (s T)^order) with T = exp(-log_size), or a mode
-/// x^order/(1 + 2 z x + x^2) with x = s T, z = exp(log_damping) and a held order of 0 or 1.  An order that is held
-/// takes no part in the search.
+inline constexpr double least_arc_order = 0.1, most_power = 2;
+
+/// One term of a sum, with x = s T and T = exp(-log_size).  An order that is held takes no part in the search.
 struct Term {
-  enum class Kind { power, arc, mode } kind = Kind::power;
+  enum class Kind {
+    power,            // s^order
+    arc,              // 1/(1 + x^order)
+    mode,             // x^order/(1 + 2 z x + x^2), z = exp(log_damping), a held order of 0 or 1
+    rise,             // x^order/(1 + x^order): the rest of an arc
+    gerischer,        // 1/sqrt(1 + x), like all below with a held order
+    layer_short,      // tanh(sqrt(x))/sqrt(x)
+    layer_open,       // coth(sqrt(x))/sqrt(x)
+    structural_mode,  // x^order/(x^q + x^2), q = exp(log_damping): a constant loss angle of q pi/2
+  } kind = Kind::power;
   double order = 0;
   bool held = false;
-  double log_size = 0;  // of an arc or a mode: frequency at its top, in units of the middle of the band
+  double log_size = 0;  // of all but powers: frequency at the top, in units of the middle of the band
   double log_damping = 0;
+  double least_order = -most_power, most_order = most_power;  // of a power
 
+  [[nodiscard]] bool is_mode() const { return kind == Kind::mode || kind == Kind::structural_mode; }
+  [[nodiscard]] bool has_free_arc_order() const { return !held && (kind == Kind::arc || kind == Kind::rise); }
   [[nodiscard]] std::size_t nonlinear() const {
-    return (kind == Kind::power ? 0u : kind == Kind::arc ? 1u : 2u) + (held ? 0u : 1u);
+    return (kind == Kind::power ? 0u : is_mode() ? 2u : 1u) + (held ? 0u : 1u);
   }
 };
 using TermSum = std::vector<Term>;
@@ -42,6 +54,8 @@ class TermProblem : public ProjectedData {
 
   /// The sum with each of the terms, at its cost as it is; parameters are not counted.
   [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
+  /// The same where only terms whose coefficient is positive count; the cost with any other is infinite.
+  [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const std::vector<Term>& terms) const;
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
   /// Coefficients, for s in rad/s.
   [[nodiscard]] std::vector<double> coefficients(const TermSum& sum) const;
@@ -52,7 +66,5 @@ class TermProblem : public ProjectedData {
   [[nodiscard]] Reach reach(const TermSum& sum) const;
   [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
 };
-
-inline constexpr double least_arc_order = 0.1, most_power = 2;
 
 }  // namespace frac::detail
