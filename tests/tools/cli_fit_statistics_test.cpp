@@ -251,7 +251,7 @@ TEST_F(FitStatistics, WrongUsageIsNamed) {
   };
   expect_refusal(fit({}), "either --model or --grow");
   expect_refusal(fit({"--model", "gain", "--grow", "arcs"}), "either --model or --grow");
-  expect_refusal(fit({"--grow", "trees"}), "powers, denominator, arcs, rational, commensurate or terms");
+  expect_refusal(fit({"--grow", "trees"}), "powers, denominator, arcs, rational, commensurate, terms or elements");
   expect_refusal(fit({"--grow", "terms", "--fix", "R0=1"}), "have no meaning with --grow terms");
   expect_refusal(fit({"--grow", "arcs", "--fix", "K=1"}), "K");
   expect_refusal(fit({"--model", "gain", "--bootstrap", "19"}), "--bootstrap '19'");
