@@ -148,6 +148,8 @@ FamilyMembers element_members(const TermProblem& problem, const ElementFamily& f
   const ElementLadder ladder = grow_elements(problem, family.most_elements);
   FamilyMembers members;
   members.passive = true;
+  members.exact = !ladder.fits.empty() && (ladder.fits.back().cost <= problem.negligible_cost() ||
+                                           ladder.fits[ladder.chosen].sum.size() >= family.most_elements);
   members.chosen = ladder.chosen;
   for (const TermFit& fit : ladder.fits) members.models.push_back(elements_written_out(problem, fit.sum));
   return members;
