@@ -242,6 +242,19 @@ TEST_F(FitStatistics, UnstableModelsAreCalledSo) {
   EXPECT_TRUE(fitted("tanh(sqrt(3 s))/sqrt(3 s)", "K tanh(sqrt(T s))/sqrt(T s)").first.is_null());
 }
 
+// A circuit of passive elements, without noise: its name stands in JSON, and in the table in the place of its formula.
+TEST_F(FitStatistics, AGrownCircuitIsNamed) {
+  const std::string path = folder.path("circuit.csv");
+  const std::string formula = "0.1 + 0.02 s + 2/(1 + (3 s)^0.7)";
+  EXPECT_EQ(run_fracfit({"evaluate", "--model", formula, "--omega", "0.01:100:40log", "--out", path}).code, 0);
+  const Json growth = successful({"fit", path, "--grow", "elements", "--format", "json"})["growth"];
+  const Json& chosen = growth["fits"].at(growth["chosen"].get<std::size_t>());
+  EXPECT_EQ(chosen["name"], "elements:R0+L0+(R1|CPE1)");
+  EXPECT_EQ(chosen["model"], "R0 + L0 s + R1/(1 + (T1 s)^n1)");
+  const auto table = run_fracfit({"fit", path, "--grow", "elements", "--format", "table"});
+  EXPECT_NE(table.output.find("\n  R0+L0+(R1|CPE1) "), std::string::npos) << table.output;
+}
+
 TEST_F(FitStatistics, WrongUsageIsNamed) {
   const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);
@@ -251,8 +264,9 @@ TEST_F(FitStatistics, WrongUsageIsNamed) {
   };
   expect_refusal(fit({}), "either --model or --grow");
   expect_refusal(fit({"--model", "gain", "--grow", "arcs"}), "either --model or --grow");
-  expect_refusal(fit({"--grow", "trees"}), "powers, denominator, arcs, rational, commensurate or terms");
+  expect_refusal(fit({"--grow", "trees"}), "powers, denominator, arcs, rational, commensurate, terms or elements");
   expect_refusal(fit({"--grow", "terms", "--fix", "R0=1"}), "have no meaning with --grow terms");
+  expect_refusal(fit({"--grow", "elements", "--bound", "R0=1:2"}), "have no meaning with --grow elements");
   expect_refusal(fit({"--grow", "arcs", "--fix", "K=1"}), "K");
   expect_refusal(fit({"--model", "gain", "--bootstrap", "19"}), "--bootstrap '19'");
   expect_refusal({"identify", data, "--folds", "1"}, "--folds '1'");

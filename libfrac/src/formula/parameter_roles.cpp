@@ -109,4 +109,49 @@ ParameterUse parameter_use(const Expression& expression) {
   return use;
 }
 
+std::vector<bool> orders_of_plain_powers(const Expression& expression) {
+  const std::vector<Node>& nodes = expression.nodes;
+  // What a node is to the whole; one that occurs several times collects all.
+  struct Place {
+    bool part_of_sum = false, factor_of_term = false, elsewhere = false;
+  };
+  std::vector<Place> places(nodes.size());
+  std::vector<bool> as_plain_order(expression.parameter_names.size(), false), otherwise = as_plain_order;
+  places.back().part_of_sum = true;
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    const Node& node = nodes[i];
+    const Place here = places[i];
+    const auto place_of = [&](int index) -> Place& { return places[static_cast<std::size_t>(index)]; };
+    const bool in_term = here.part_of_sum || here.factor_of_term;
+    for (const int index : {node.left, node.right}) {
+      if (index < 0) continue;
+      Place& operand = place_of(index);
+      const bool is_sum_of_terms = here.part_of_sum && (is_sum(node.operation) || node.operation == Operation::negate);
+      const bool is_factor = in_term && node.operation == Operation::multiply;
+      if (is_sum_of_terms) operand.part_of_sum = true;
+      if (is_factor) operand.factor_of_term = true;
+      if ((!is_sum_of_terms && !is_factor) || here.elsewhere) operand.elsewhere = true;
+    }
+    if (node.operation != Operation::power_of_s) continue;
+    const Node& exponent = nodes[static_cast<std::size_t>(node.right)];
+    if (exponent.operation != Operation::parameter) continue;
+    const auto parameter = static_cast<std::size_t>(exponent.parameter);
+    (in_term && !here.elsewhere ? as_plain_order : otherwise)[parameter] = true;
+  }
+  // A parameter of an order that is used as anything else, too, keeps to what that allows.
+  std::vector<std::size_t> uses(expression.parameter_names.size(), 0), orders = uses;
+  for (const Node& node : nodes) {
+    for (const int index : {node.left, node.right}) {
+      if (index < 0 || nodes[static_cast<std::size_t>(index)].operation != Operation::parameter) continue;
+      const auto parameter = static_cast<std::size_t>(nodes[static_cast<std::size_t>(index)].parameter);
+      ++uses[parameter];
+      if (node.operation == Operation::power_of_s && index == node.right) ++orders[parameter];
+    }
+  }
+  for (std::size_t p = 0; p < uses.size(); ++p) {
+    as_plain_order[p] = as_plain_order[p] && !otherwise[p] && uses[p] == orders[p];
+  }
+  return as_plain_order;
+}
+
 }  // namespace frac::detail

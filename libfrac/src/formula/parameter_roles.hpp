@@ -17,4 +17,8 @@ struct ParameterUse {
 
 [[nodiscard]] ParameterUse parameter_use(const Expression& expression);
 
+/// For each parameter whether it is nothing but the order q of terms c s^q of the outermost sum, as a2 is in
+/// R0 + K1 s^a1 + K2 s^a2: there s^-1 is a response like any other.
+[[nodiscard]] std::vector<bool> orders_of_plain_powers(const Expression& expression);
+
 }  // namespace frac::detail

@@ -7,16 +7,19 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "formula/canonical_form.hpp"
 #include "frac/identification/constraints.hpp"
 #include "frac/identification/outliers.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/recognised_preset.hpp"
 #include "identification/residuals/parameter_map.hpp"
 #include "identification/search/global_search.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {
 namespace {
@@ -191,32 +194,80 @@ bool is_left_behind(const TimeResponseData&, const FitResult&, const TimeFitOpti
   return false;
 }
 
+/// The terms of the outermost sum, each with its sign and in parentheses.
+void add_terms(const Expression& expression, const Node& node, bool negative, std::vector<std::string>& terms) {
+  const auto operand = [&](int index) -> const Node& { return expression.nodes[static_cast<std::size_t>(index)]; };
+  switch (node.operation) {
+    case Operation::add:
+    case Operation::subtract:
+      add_terms(expression, operand(node.left), negative, terms);
+      return add_terms(expression, operand(node.right), negative != (node.operation == Operation::subtract), terms);
+    case Operation::negate:
+      return add_terms(expression, operand(node.left), !negative, terms);
+    default:
+      terms.push_back((negative ? "-(" : "+(") + std::string(expression.text_of(node)) + ")");
+  }
+}
+
+/// The structure without each of the terms of its outermost sum, those that are alike once.  Left out are what does not
+/// depend on s, and presets, which have been asked already.
+std::vector<Structure> without_a_term(const Structure& structure) {
+  std::vector<std::string> terms;
+  add_terms(structure.expression(), structure.expression().nodes.back(), false, terms);
+  std::vector<Structure> result;
+  if (terms.size() < 2) return result;
+  std::set<std::string> shapes;
+  for (std::size_t left_out = 0; left_out < terms.size(); ++left_out) {
+    std::string formula;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      if (i != left_out) formula += formula.empty() && terms[i][0] == '+' ? terms[i].substr(1) : terms[i];
+    }
+    Structure contained(formula);
+    const bool simpler = contained.parameter_names().size() < structure.parameter_names().size();
+    if (!simpler || !contained.depends_on_s() || recognised_preset(contained)) continue;
+    if (shapes.insert(shape_of(contained.expression())).second) result.push_back(std::move(contained));
+  }
+  return result;
+}
+
+/// The fit, or where the optimum of a structure that it contains is lower the fit from there.
+template <class Data, class Options>
+FitResult no_worse_than(const Data& data, const FitResult& optimum, const Options& options, FitResult fit) {
+  fit.seconds += optimum.seconds;
+  if (!(optimum.cost < fit.cost * (1 - rounding))) return fit;
+  std::optional<FitResult> from = fitted_from(data, fit, optimum, options);
+  if (!from || !(from->cost < fit.cost)) return fit;
+  // A minimum that the search has not seen.
+  from->starts = fit.starts + 1;
+  from->starts_at_best = 1;
+  from->distinct_minima = fit.distinct_minima + 1;
+  from->confidence_of_optimum = confidence_of_optimum(from->starts, from->distinct_minima);
+  from->seconds += fit.seconds;
+  return std::move(*from);
+}
+
 template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
+  const auto compare = [&](const Structure& contained, const Options& of_contained, auto optimum_of) {
+    try {
+      if (is_left_behind(data, fit, options, contained, of_contained)) return;
+      fit = no_worse_than(data, optimum_of(), options, std::move(fit));
+    } catch (const std::invalid_argument&) {
+      // It is not allowed where the user wants the richer one.
+    }
+  };
   for (const auto& [preset, where] : contained_presets(structure, limits)) {
     Options of_contained = options;
     of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
-    FitResult optimum;
-    try {
-      const Structure contained(preset->formula);
-      if (is_left_behind(data, fit, options, contained, of_contained)) continue;
-      optimum = frac::fit(data, contained, of_contained);
-    } catch (const std::invalid_argument&) {
-      continue;  // it is not allowed where the user wants the richer one
-    }
-    fit.seconds += optimum.seconds;
-    if (!(optimum.cost < fit.cost * (1 - rounding))) continue;
-    std::optional<FitResult> from = fitted_from(data, fit, optimum, options);
-    if (!from || !(from->cost < fit.cost)) continue;
-    // A minimum that the search has not seen.
-    from->starts = fit.starts + 1;
-    from->starts_at_best = 1;
-    from->distinct_minima = fit.distinct_minima + 1;
-    from->confidence_of_optimum = confidence_of_optimum(from->starts, from->distinct_minima);
-    from->seconds += fit.seconds;
-    fit = std::move(*from);
+    const Structure contained(preset->formula);
+    compare(contained, of_contained, [&] { return frac::fit(data, contained, of_contained); });
+  }
+  for (const Structure& contained : without_a_term(structure)) {
+    Options of_contained = options;
+    of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
+    compare(contained, of_contained, [&] { return refit(data, contained, of_contained); });
   }
   return fit;
 }

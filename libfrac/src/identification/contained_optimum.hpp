@@ -31,8 +31,8 @@ namespace frac::detail {
 [[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const FitResult& rich,
                                                           const FitResult& simple, const TimeFitOptions& options);
 
-/// A searched fit that is no worse than any preset the structure contains: where one is better, it is where the fit
-/// starts anew.  Fits with a robust loss stay as they are.
+/// A searched fit that is no worse than any preset the structure contains, nor than the structure without one of the
+/// terms of its outermost sum: where one is better, it is where the fit starts anew.  Fits with a robust loss stay as they are.
 [[nodiscard]] FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,
                                                 const FitOptions& options, FitResult fit);
 [[nodiscard]] FitResult no_worse_than_contained(const TimeResponseData& data, const Structure& structure,

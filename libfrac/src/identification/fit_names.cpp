@@ -40,13 +40,14 @@ constexpr detail::Spellings<IntervalKind, 2> interval_names = {{
     {IntervalKind::curvature, "curvature"},
     {IntervalKind::profile, "profile"},
 }};
-constexpr detail::Spellings<GrowthFamily, 6> family_names = {{
+constexpr detail::Spellings<GrowthFamily, 7> family_names = {{
     {GrowthFamily::powers, "powers"},
     {GrowthFamily::denominator, "denominator"},
     {GrowthFamily::arcs, "arcs"},
     {GrowthFamily::rational, "rational"},
     {GrowthFamily::commensurate, "commensurate"},
     {GrowthFamily::terms, "terms"},
+    {GrowthFamily::elements, "elements"},
 }};
 
 constexpr detail::Spellings<Remedy, 3> remedy_names{{

@@ -48,6 +48,7 @@ struct Outcome {
   /// verdict: that is about orders, whatever is assumed of poles.
   bool stands_in = false;
   std::shared_ptr<Outcome> set_aside = nullptr;  // the other one of the two
+  bool passive = false;                          // a sum of passive elements
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -146,6 +147,7 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.relaxations = members.relaxations;
   outcome.approximates = members.approximates;
   outcome.stands_in = members.stands_in;
+  outcome.passive = members.passive;
 }
 
 /// @param ratios  shared by all families of the data
@@ -290,7 +292,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};
-  std::vector<detail::Competitor> competitors;
+  std::vector<detail::Competitor> competitors, passive;
   std::vector<std::string> skipped_rivals;
   for (Outcome& outcome : outcomes) {
     if (!outcome.fit) {
@@ -303,10 +305,12 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
-    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations,
-                           outcome.approximates, outcome.stands_in});
+    (outcome.passive ? passive : competitors)
+        .push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates,
+                    outcome.stands_in, outcome.passive});
   }
   detail::merge_equivalent(competitors, data, options);
+  competitors.insert(competitors.end(), passive.begin(), passive.end());
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
@@ -330,6 +334,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   detail::judge(result, data, options, competitors, skipped_rivals);
   keep_to_verdict(result);
   detail::keep_to_assumptions(result, data, options, competitors);
+  detail::prefer_elements(result, data, options, competitors);
   const RankedFit& chosen = result.ranking.at(result.chosen);
   if (!chosen.model.remark.empty()) result.notes.push_back(chosen.model.remark);
   return result;

@@ -156,6 +156,7 @@ std::optional<NamedModel> family_from_data(GrowthFamily family) {
     case GrowthFamily::rational:
     case GrowthFamily::commensurate:
     case GrowthFamily::terms:
+    case GrowthFamily::elements:
       return find_model(to_string(family));
     default:
       return std::nullopt;
@@ -182,6 +183,10 @@ Growth grown_from_data(const Data& data, const NamedModel& family, const Options
   growth.reason = members.chosen + 1 < members.models.size()
                       ? "Further growth does not pay: BIC, with the search paid for, rises."
                       : "The model has grown as far as was allowed, or meets the data to rounding.";
+  if (members.passive && !members.exact) {
+    growth.reason =
+        "Neither a further element nor another kind in the place of one pays: BIC, with the search paid for, rises.";
+  }
   return growth;
 }
 

@@ -99,27 +99,32 @@ NamedModel named_family(std::string_view name, const RationalFamily& family) {
 
 constexpr std::size_t most_terms = 20;
 
-std::optional<NamedModel> term_family(std::string_view name) {
+/// "terms:4": the count behind the name of a family of sums, `count` where there is none; empty for another name.
+std::optional<std::size_t> count_in_sum(std::string_view name, const std::string& family, std::size_t count) {
   std::string_view text = name;
-  if (!take(text, "terms")) return std::nullopt;
-  TermFamily family;
-  if (!text.empty()) {
-    if (!take(text, ":")) return std::nullopt;
-    const std::optional<std::size_t> count = take_count(text);
-    if (!count || !text.empty() || *count < 1 || *count > most_terms) {
-      throw std::invalid_argument("model '" + std::string(name) +
-                                  "': expected terms or terms:COUNT with a count of 1 to " +
-                                  std::to_string(most_terms));
-    }
-    family.most_terms = *count;
+  if (!take(text, family)) return std::nullopt;
+  if (text.empty()) return count;
+  if (!take(text, ":")) return std::nullopt;
+  const std::optional<std::size_t> given = take_count(text);
+  if (!given || !text.empty() || *given < 1 || *given > most_terms) {
+    throw std::invalid_argument("model '" + std::string(name) + "': expected " + family + " or " + family +
+                                ":COUNT with a count of 1 to " + std::to_string(most_terms));
   }
-  return NamedModel{std::string(name),
-                    std::string(name),
-                    ModelClass::fractional,
-                    "sum of powers, arcs and modes",
-                    {},
-                    std::nullopt,
-                    family};
+  return given;
+}
+
+std::optional<NamedModel> sum_family(std::string_view name) {
+  NamedModel model{std::string(name), std::string(name), ModelClass::fractional, "sum of powers, arcs and modes", {}};
+  if (const auto terms = count_in_sum(name, "terms", TermFamily{}.most_terms)) {
+    model.terms = TermFamily{*terms};
+    return model;
+  }
+  if (const auto elements = count_in_sum(name, "elements", ElementFamily{}.most_elements)) {
+    model.elements = ElementFamily{*elements};
+    model.description = "sum of passive elements";
+    return model;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -216,7 +221,7 @@ const std::vector<NamedModel>& model_library() {
 
 std::vector<NamedModel> default_candidates() {
   std::vector<NamedModel> candidates = model_library();
-  for (const char* name : {"rational", "rational+delay", "commensurate", "commensurate+delay", "terms"})
+  for (const char* name : {"rational", "rational+delay", "commensurate", "commensurate+delay", "terms", "elements"})
     candidates.push_back(find_model(name));
   return candidates;
 }
@@ -250,7 +255,7 @@ std::string letters_of(std::string_view name) {
 /// A preset's name in capitals, or with _ or a blank for -, parses as a formula of parameters alone, which nobody
 /// means.
 void refuse_letters_of_preset(std::string_view text) {
-  std::vector<std::string> names{"rational", "commensurate", "terms"};
+  std::vector<std::string> names{"rational", "commensurate", "terms", "elements"};
   for (const NamedModel& model : model_library()) names.push_back(model.name);
   for (const std::string& name : names) {
     if (letters_of(name) != letters_of(text) || name == text) continue;
@@ -309,7 +314,7 @@ std::vector<ParameterConstraint> detail::renamed(const std::vector<ParameterCons
 
 NamedModel find_model(std::string_view name_or_formula) {
   if (const auto family = rational_family(name_or_formula)) return named_family(name_or_formula, *family);
-  if (const auto family = term_family(name_or_formula)) return *family;
+  if (const auto family = sum_family(name_or_formula)) return *family;
   for (const NamedModel& model : model_library()) {
     if (model.name == name_or_formula) return model;
   }

@@ -139,7 +139,10 @@ std::string growth_table(const frac::Growth& growth) {
   AlignedTable table({"structures tried", "free", "rms", "AICc", ""}, AlignedTable::Last::remark);
   for (std::size_t i = 0; i < growth.fits.size(); ++i) {
     const auto& fit = growth.fits[i];
-    table.add({fit.model, std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
+    // A circuit is read faster than its formula, which stands above for the chosen one.
+    const std::string& name = growth.models.at(i).name;
+    table.add({name.starts_with("elements:") ? name.substr(name.find(':') + 1) : fit.model,
+               std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
                i == growth.chosen ? "chosen" : ""});
   }
   return table.text() + growth.reason + "\n\n";
@@ -253,9 +256,10 @@ void append_statistics(Json& json, const FitRun& run, const frac::FitResult& res
   if (!statistics.growth) return;
   json["growth"] = {
       {"chosen", statistics.growth->chosen}, {"reason", statistics.growth->reason}, {"fits", Json::array()}};
-  for (const auto& fit : statistics.growth->fits) {
+  for (std::size_t i = 0; i < statistics.growth->fits.size(); ++i) {
     Json grown;
-    append_fit(grown, run, fit);
+    append_fit(grown, run, statistics.growth->fits[i]);
+    grown["name"] = statistics.growth->models.at(i).name;
     json["growth"]["fits"].push_back(std::move(grown));
   }
 }
@@ -327,6 +331,7 @@ std::string why_chosen(const frac::IdentificationResult& result) {
   if (result.set_aside)
     return "the best of its class that keeps to what is assumed, in place of " +
            result.ranking.at(*result.set_aside).name;
+  if (chosen.name.starts_with("elements:")) return "a sum of passive elements, which the data do not speak against";
   if (!chosen.lack_of_fit.adequate) return "the simplest within 2 of the least AICc of all, as none follows the data";
   const bool least = std::none_of(result.ranking.begin(), result.ranking.end(), [&](const frac::RankedFit& other) {
     return other.lack_of_fit.adequate && other.fit.usable() && other.fit.aicc + 2 < chosen.fit.aicc;

@@ -62,7 +62,7 @@ struct ParameterPrior {
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that
 /// Structure::parameter_keeps_sign() names is positive (fitted as its logarithm) unless a lower limit is given, any
 /// other, a gain, has either sign (but the outer one in a fit of magnitudes), an order lies in [0, 4], or [-4, 4] when
-/// it stands in no sum, a delay in [0, 2 pi/lowest omega], but up to pi/(least distance of two omega) at most.
+/// it stands in no sum or in an added K s^a, a delay in [0, 2 pi/lowest omega], up to pi/(least distance of two omega).
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;

@@ -55,6 +55,7 @@ enum class GrowthFamily {
   rational,      // b(s)/a(s) with one pole more each time, see RationalFamily
   commensurate,  // the same in s^a
   terms,         // powers and arcs, whichever pays most each time, see TermFamily
+  elements,      // passive elements with positive gains, see ElementFamily
 };
 /// "powers", "denominator", ...
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
@@ -67,7 +68,7 @@ enum class GrowthFamily {
 [[nodiscard]] bool names_persist(GrowthFamily family);
 
 /// The member of a family with that many terms (at least 1), and the ranges of its parameters.
-/// @throws std::invalid_argument  for rational, commensurate and terms, whose form follows from data
+/// @throws std::invalid_argument  for rational, commensurate, terms and elements, whose form follows from data
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
 /// The fits of a growing structure, simplest first; the one behind the chosen one did not pay for its term.

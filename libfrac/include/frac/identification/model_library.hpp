@@ -35,6 +35,24 @@ struct TermFamily {
   std::size_t most_terms = 9;
 };
 
+/// Sums of passive elements, chosen from the data, each with a positive gain.  Where the real part of the data keeps to
+/// positive values better than the imaginary part to negative ones, the sum is an impedance, a modulus or a compliance:
+///     R0, L0 s, 1/(C0 s)                  resistor or spring (E0), inductor or dashpot (V0), capacitor
+///     1/(Q s^n), A s^n                    constant-phase element (CPE), springpot, 0 < n < 1
+///     W/sqrt(s)                           semi-infinite diffusion (W)
+///     R/(1 + T s), R/(1 + (T s)^n)        resistor with a capacitor (R|C) or a constant-phase element (R|CPE) beside it
+///     R T s/(1 + T s), with n             the same with an inductor (R|L); Maxwell arm, fractional Maxwell arm
+///     R/sqrt(1 + T s)                     diffusion with reaction (Gerischer, G)
+///     R tanh(sqrt(T s))/sqrt(T s)         diffusion through a layer to a constant (Ws)
+///     R coth(sqrt(T s))/sqrt(T s)         diffusion into a layer with a closed far side (Wo)
+///     G (s/w)/(s^2/w^2 + d s/w + 1)       mode: resistor, inductor and capacitor in parallel
+/// Else it is the displacement of a structure per force where it acts: R0, 1/(C0 s), 1/(M0 s^2), 1/(Q s^n), 1/(Q s s^n),
+/// R/(1 + T s), R/(1 + (T s)^n), modes G/(s^2/w^2 + d s/w + 1) with viscous and G/((s/w)^2 + (s/w)^q) with structural
+/// damping, whose loss angle is q pi/2 at all frequencies.
+struct ElementFamily {
+  std::size_t most_elements = 12;
+};
+
 /// A named structure: formula, the ranges of its parameters, and what it describes.
 struct NamedModel {
   std::string name;
@@ -44,13 +62,14 @@ struct NamedModel {
   std::vector<ParameterConstraint> constraints;
   std::optional<RationalFamily> rational = std::nullopt;
   std::optional<TermFamily> terms = std::nullopt;
+  std::optional<ElementFamily> elements = std::nullopt;
   /// Whether this is the largest member that was tried of a family without a limit of the caller's.  Its last pole
   /// still paid, so that further ones might pay too.
   bool ends_its_family = false;
   /// What became of assumptions where a member of a family was chosen; one sentence, or empty.
   std::string remark = {};
   /// Whether it stands for a family, whose best member on given data resolved_model() finds.
-  [[nodiscard]] bool is_family() const { return rational || terms; }
+  [[nodiscard]] bool is_family() const { return rational || terms || elements; }
 };
 
 /// All presets: power-law, two-power-laws, fractional-lag (K/(T s^a + 1)), inertia-and-power-law, cole-cole,
@@ -58,7 +77,7 @@ struct NamedModel {
 [[nodiscard]] const std::vector<NamedModel>& model_library();
 
 /// What `identify` compares unless told otherwise: all presets, rational and commensurate models of up to 12 poles,
-/// with and without dead time, and sums of terms.
+/// with and without dead time, sums of terms, and sums of passive elements.
 [[nodiscard]] std::vector<NamedModel> default_candidates();
 
 /// The same for samples over time, where of the families only rational models are grown.
@@ -71,7 +90,8 @@ struct NamedModel {
 ///
 /// Rational families are written "rational" (0 to 12 poles), "rational:4" (poles), "rational:3/4" (zeros/poles) or
 /// "rational:1..8" (poles), each with "+delay" behind it for a dead time; likewise "commensurate" (1 to 6 poles in
-/// s^a). "terms" is the family of sums of terms, "terms:4" that of up to 4.
+/// s^a). "terms" is the family of sums of terms, "terms:4" that of up to 4; likewise "elements" of passive
+/// elements.
 /// @throws FormulaError
 /// @throws std::invalid_argument  a preset's name in other letters (Lag, power_law); a rational family with more than
 ///     12 poles, more than one zero more than poles, or an empty range.

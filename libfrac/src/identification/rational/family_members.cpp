@@ -11,6 +11,7 @@
 
 #include "base/counted.hpp"
 #include "base/short_text.hpp"
+#include "element_growth.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/statistics/assumption_evidence.hpp"
 #include "identification/statistics/information.hpp"
@@ -143,11 +144,23 @@ FamilyMembers term_members(const TermProblem& problem, const TermFamily& family)
   return members;
 }
 
+FamilyMembers element_members(const TermProblem& problem, const ElementFamily& family) {
+  const ElementLadder ladder = grow_elements(problem, family.most_elements);
+  FamilyMembers members;
+  members.passive = true;
+  members.exact = !ladder.fits.empty() && (ladder.fits.back().cost <= problem.negligible_cost() ||
+                                           ladder.fits[ladder.chosen].sum.size() >= family.most_elements);
+  members.chosen = ladder.chosen;
+  for (const TermFit& fit : ladder.fits) members.models.push_back(elements_written_out(problem, fit.sum));
+  return members;
+}
+
 FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
                          RatioGrowths& ratios) {
   const ResidualRule rule = rule_of(data, options);
   FamilyMembers members = model.rational ? rational_members(data, rule, *model.rational, options, ratios)
-                                         : term_members(TermProblem(data, rule), model.terms.value());
+                          : model.terms  ? term_members(TermProblem(data, rule), *model.terms)
+                                         : element_members(TermProblem(data, rule), model.elements.value());
   if (members.models.empty()) {
     throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
   }

@@ -27,6 +27,7 @@ struct FamilyMembers {
   /// Where the family came to an unstable member and to another one with stable poles, that which is not taken.
   std::shared_ptr<const FamilyMembers> set_aside = nullptr;
   bool stands_in = false;  // with stable poles, for an unstable member
+  bool passive = false;    // sums of passive elements
 };
 
 /// An order departs from the whole numbers that is at least that far from each.

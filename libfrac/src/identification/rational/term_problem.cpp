@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace frac::detail {
 namespace {
@@ -68,6 +70,19 @@ Spread spread_of(const Term& term, const ProjectedData& data) {
   return term.kind == Term::Kind::even_spread ? even_spread(x, width) : normal_spread(x, width);
 }
 
+/// x^q + x^2
+Eigen::ArrayXcd structural_denominator(const Term& mode, const ProjectedData& data) {
+  return data.power(std::exp(mode.log_damping), -mode.log_size) + scaled(mode, data).square();
+}
+
+/// d ln(value) / d log_size of a term with a held order that is neither power, arc nor mode.
+Eigen::ArrayXcd by_log_size(const Term& term, const ProjectedData& data, const Eigen::ArrayXcd& value) {
+  const Eigen::ArrayXcd x = scaled(term, data);
+  // With y = sqrt(x), d/d log_size = -y/2 d/dy, and (tanh y)' = 1 - tanh^2 y, (coth y)' = 1 - coth^2 y.
+  return term.kind == Term::Kind::gerischer ? Eigen::ArrayXcd(0.5 * x / (1.0 + x))
+                                            : Eigen::ArrayXcd(0.5 * (1.0 + value * x - value.inverse()));
+}
+
 Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
   switch (term.kind) {
     case Term::Kind::normal_spread:
@@ -75,6 +90,23 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
       return spread_of(term, data).value;
     case Term::Kind::arc:
       return (1.0 + data.power(term.order, -term.log_size)).inverse();
+    case Term::Kind::rise:
+      // With the inverse power neither end overflows into a quotient of infinities.
+      return (1.0 + data.power(-term.order, -term.log_size)).inverse();
+    case Term::Kind::gerischer:
+      return (1.0 + scaled(term, data)).sqrt().inverse();
+    case Term::Kind::layer_short: {
+      const Eigen::ArrayXcd root = data.power(0.5, -term.log_size);
+      return root.tanh() / root;
+    }
+    case Term::Kind::layer_open: {
+      const Eigen::ArrayXcd root = data.power(0.5, -term.log_size);
+      return 1.0 / (root * root.tanh());
+    }
+    case Term::Kind::structural_mode: {
+      const Eigen::ArrayXcd x = scaled(term, data);
+      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / structural_denominator(term, data);
+    }
     case Term::Kind::mode: {
       const Eigen::ArrayXcd x = scaled(term, data);
       return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / denominator(term, x);
@@ -90,6 +122,16 @@ std::size_t parameters(const TermSum& sum, Index rank) {
   std::size_t count = static_cast<std::size_t>(rank);
   for (const Term& term : sum) count += term.nonlinear();
   return count;
+}
+
+/// The sum with each of the terms, at infinite cost.
+std::vector<TermFit> with_each(const TermSum& sum, const std::vector<Term>& terms) {
+  std::vector<TermFit> fits;
+  for (const Term& term : terms) {
+    fits.push_back({sum, std::numeric_limits<double>::infinity(), 0});
+    fits.back().sum.push_back(term);
+  }
+  return fits;
 }
 
 }  // namespace
@@ -129,12 +171,26 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
       result.col(column++) = (-coefficient * value * damped * share).matrix();
       continue;
     }
+    if (term.kind == Term::Kind::structural_mode) {
+      const Eigen::ArrayXcd elastic = power(std::exp(term.log_damping), -term.log_size),
+                            inertial = scaled(term, *this).square();
+      const double q = std::exp(term.log_damping);
+      const Eigen::ArrayXcd share = 1.0 / (elastic + inertial);
+      result.col(column++) = (coefficient * value * ((q * elastic + 2.0 * inertial) * share - term.order)).matrix();
+      result.col(column++) = (-coefficient * value * q * elastic * share * (log_s().array() - term.log_size)).matrix();
+      continue;
+    }
     if (term.kind == Term::Kind::power) {
       result.col(column++) = (coefficient * value * log_s().array()).matrix();
       continue;
     }
-    // With x = (s T)^n, the arc v = 1/(1 + x) has dv = -v^2 dx = -v (1 - v) d ln x.
-    const Eigen::ArrayXcd by_log = -coefficient * value * (1.0 - value);
+    if (term.kind != Term::Kind::arc && term.kind != Term::Kind::rise) {
+      result.col(column++) = (coefficient * value * by_log_size(term, *this, value)).matrix();
+      continue;
+    }
+    // With x = (s T)^n, the arc v = 1/(1 + x) has dv = -v^2 dx = -v (1 - v) d ln x, and 1 - v the opposite.
+    const double sign = term.kind == Term::Kind::arc ? -1 : 1;
+    const Eigen::ArrayXcd by_log = sign * coefficient * value * (1.0 - value);
     result.col(column++) = (-term.order * by_log).matrix();
     if (!term.held) result.col(column++) = (by_log * (log_s().array() - term.log_size)).matrix();
   }
@@ -148,11 +204,11 @@ Reach TermProblem::reach(const TermSum& sum) const {
     if (term.kind != Term::Kind::power) {
       result.add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);
     }
-    if (term.kind == Term::Kind::mode) result.add(e_folds, term.log_damping, least_log_damping, most_log_damping);
+    if (term.is_mode()) result.add(e_folds, term.log_damping, least_log_damping, most_log_damping);
     if (term.is_spread()) result.add(1, term.log_width, least_log_width, most_log_width);
     if (term.held) continue;
-    const bool arc = term.kind == Term::Kind::arc;
-    result.add(of_order, term.order, arc ? least_arc_order : -most_power, arc ? 1.0 : most_power);
+    const bool power = term.kind == Term::Kind::power;
+    result.add(of_order, term.order, power ? term.least_order : least_arc_order, power ? term.most_order : 1.0);
   }
   return result;
 }
@@ -162,7 +218,7 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
   Index column = 0;
   for (Term& term : next) {
     if (term.kind != Term::Kind::power) term.log_size += step[column++];
-    if (term.kind == Term::Kind::mode) term.log_damping += step[column++];
+    if (term.is_mode()) term.log_damping += step[column++];
     if (term.is_spread()) term.log_width += step[column++];
     if (!term.held) term.order += step[column++];
   }
@@ -172,12 +228,27 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
 std::vector<TermFit> TermProblem::along(const TermSum& sum, const std::vector<Term>& terms) const {
   Linear linear;
   const bool is_finite = solve(columns(sum), linear);
-  std::vector<TermFit> fits;
-  for (const Term& term : terms) {
-    TermFit fit{sum, std::numeric_limits<double>::infinity(), 0};
-    fit.sum.push_back(term);
-    if (is_finite) fit.cost = cost_with(linear, column_of(term, *this).matrix());
-    fits.push_back(std::move(fit));
+  std::vector<TermFit> fits = with_each(sum, terms);
+  for (TermFit& fit : fits) {
+    if (is_finite) fit.cost = cost_with(linear, column_of(fit.sum.back(), *this).matrix());
+  }
+  return fits;
+}
+
+std::vector<TermFit> TermProblem::along_gaining(const TermSum& sum, const std::vector<Term>& terms) const {
+  Linear linear;
+  std::vector<TermFit> fits = with_each(sum, terms);
+  if (!solve(columns(sum), linear)) return fits;
+  std::optional<Weighted> further = weighted(columns(terms));
+  if (!further) return fits;
+  // The second time takes what rounding of the first has left.
+  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, further->matrix);
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto column = further->matrix.col(static_cast<Index>(k));
+    const double length = column.norm(), along = column.dot(linear.residual);
+    constexpr double rounding = 1e-11;
+    // The residual is model less data, so that a positive coefficient goes against it.
+    if (length > rounding && along < 0) fits[k].cost = linear.cost - along * along / (length * length);
   }
   return fits;
 }

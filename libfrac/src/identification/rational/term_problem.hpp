@@ -10,21 +10,34 @@
 
 namespace frac::detail {
 
-/// One term of a sum: s^order, an arc 1/(1 + (s T)^order) with T = exp(-log_size), a mode x^order/(1 + 2 z x + x^2)
-/// with x = s T, z = exp(log_damping) and a held order of 0 or 1, or lags 1/(1 + s t) with times t spread about T: ln t
-/// has the standard deviation exp(log_width) of a normal distribution, or is even within exp(log_width) on either side.
-/// An order that is held takes no part in the search.
+inline constexpr double least_arc_order = 0.1, most_power = 2;
+
+/// One term of a sum, with x = s T and T = exp(-log_size).  An order that is held takes no part in the search.
 struct Term {
-  enum class Kind { power, arc, mode, normal_spread, even_spread } kind = Kind::power;
+  enum class Kind {
+    power,            // s^order
+    arc,              // 1/(1 + x^order)
+    mode,             // x^order/(1 + 2 z x + x^2), z = exp(log_damping), a held order of 0 or 1
+    rise,             // x^order/(1 + x^order): the rest of an arc
+    gerischer,        // 1/sqrt(1 + x), like all below with a held order
+    layer_short,      // tanh(sqrt(x))/sqrt(x)
+    layer_open,       // coth(sqrt(x))/sqrt(x)
+    structural_mode,  // x^order/(x^q + x^2), q = exp(log_damping): a constant loss angle of q pi/2
+    normal_spread,    // mean of 1/(1 + s t), ln t normal about ln T with deviation exp(log_width)
+    even_spread,      // the same, ln t even within exp(log_width) on either side of ln T
+  } kind = Kind::power;
   double order = 0;
   bool held = false;
   double log_size = 0;  // of all but powers: frequency at the top, in units of the middle of the band
   double log_damping = 0;
-  double log_width = 0;
+  double log_width = 0;                                       // of a spread
+  double least_order = -most_power, most_order = most_power;  // of a power
 
+  [[nodiscard]] bool is_mode() const { return kind == Kind::mode || kind == Kind::structural_mode; }
   [[nodiscard]] bool is_spread() const { return kind == Kind::normal_spread || kind == Kind::even_spread; }
+  [[nodiscard]] bool has_free_arc_order() const { return !held && (kind == Kind::arc || kind == Kind::rise); }
   [[nodiscard]] std::size_t nonlinear() const {
-    return (kind == Kind::power ? 0u : kind == Kind::arc ? 1u : 2u) + (held ? 0u : 1u);
+    return (kind == Kind::power ? 0u : is_mode() || is_spread() ? 2u : 1u) + (held ? 0u : 1u);
   }
 };
 using TermSum = std::vector<Term>;
@@ -46,6 +59,8 @@ class TermProblem : public ProjectedData {
 
   /// The sum with each of the terms, at its cost as it is; parameters are not counted.
   [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
+  /// The same where only terms whose coefficient is positive count; the cost with any other is infinite.
+  [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const std::vector<Term>& terms) const;
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
   /// At each point; empty where a number overflows.
   [[nodiscard]] std::vector<std::complex<double>> response(const TermSum& sum) const;
@@ -58,7 +73,5 @@ class TermProblem : public ProjectedData {
   [[nodiscard]] Reach reach(const TermSum& sum) const;
   [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
 };
-
-inline constexpr double least_arc_order = 0.1, most_power = 2;
 
 }  // namespace frac::detail

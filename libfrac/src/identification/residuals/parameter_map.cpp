@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "formula/parameter_roles.hpp"
 
 namespace frac::detail {
 
@@ -204,9 +205,10 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
 
 ParameterMap::OrderLimits ParameterMap::limits_of_orders(const Structure& structure,
                                                          const std::vector<ParameterConstraint>& of) const {
+  const std::vector<bool> plain = orders_of_plain_powers(structure.expression());
   OrderLimits orders{std::vector<double>(of.size()), std::vector<double>(of.size()), std::vector<double>(of.size())};
   for (const std::size_t i : order_parameters_) {
-    orders.lower[i] = of[i].lower.value_or(structure.parameter_in_sum()[i] ? 0.0 : -4.0);
+    orders.lower[i] = of[i].lower.value_or(plain[i] || !structure.parameter_in_sum()[i] ? -4.0 : 0.0);
     orders.upper[i] = of[i].upper.value_or(std::max(4.0, orders.lower[i] + 4));
     orders.middle[i] = of[i].fixed.value_or((orders.lower[i] + orders.upper[i]) / 2);
   }

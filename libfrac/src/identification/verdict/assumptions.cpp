@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identification/verdict/assumptions.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -78,6 +79,12 @@ void choose(IdentificationResult& result, std::size_t index) {
   result.chosen = index;
 }
 
+/// What a candidate leaves of the data.
+Leftover leftover_of(const Candidates& candidates, std::size_t i) {
+  return {candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
+          price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
+}
+
 void keep_to_physics(IdentificationResult& result, const FitOptions& options, Candidates& candidates) {
   const std::size_t chosen = result.chosen;
   const Liberties taken = candidates.liberties(chosen);
@@ -92,12 +99,8 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
                            ", and no candidate of its class is without.");
     return;
   }
-  const auto leftover = [&](std::size_t i) {
-    return Leftover{
-        candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
-        price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
-  };
-  const double evidence = evidence_against(leftover(*without), leftover(chosen), candidates[chosen].residual.size());
+  const double evidence = evidence_against(leftover_of(candidates, *without), leftover_of(candidates, chosen),
+                                           candidates[chosen].residual.size());
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
   const bool excluded = options.assumptions.stable == true && taken.unstable;
   if (evidence > count * price_of_assumption && !excluded) {
@@ -129,7 +132,32 @@ void keep_to_no_dead_time(IdentificationResult& result, Candidates& candidates) 
   choose(result, *without);
 }
 
+/// Whether the verdict leaves a model of this class to be chosen.
+bool goes_with_verdict(const Competitor& competitor, Verdict verdict) {
+  if (verdict == Verdict::fractional_supported) return competitor.is_fractional();
+  if (verdict == Verdict::fractional_not_supported) return !competitor.is_fractional();
+  return true;
+}
+
 }  // namespace
+
+void prefer_elements(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                     const std::vector<Competitor>& competitors) {
+  const auto found = std::find_if(competitors.begin(), competitors.end(), [](const Competitor& each) {
+    return each.passive && each.ranked.fit.termination == FitTermination::converged && is_comparable(each);
+  });
+  if (found == competitors.end() || !goes_with_verdict(*found, result.verdict)) return;
+  const std::size_t chosen = result.chosen, passive = static_cast<std::size_t>(found - competitors.begin());
+  if (passive == chosen || !competitors[chosen].ranked.from_family) return;
+  const Candidates candidates(competitors, data, options);
+  const double evidence = evidence_against(leftover_of(candidates, passive), leftover_of(candidates, chosen),
+                                           candidates[chosen].residual.size());
+  if (evidence > price_of_assumption) return;
+  result.notes.push_back("Chosen is a sum of passive elements: " + candidates.comparison(passive, chosen, evidence) +
+                         ".");
+  result.chosen = passive;
+  result.set_aside.reset();
+}
 
 void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
                          const std::vector<Competitor>& competitors) {

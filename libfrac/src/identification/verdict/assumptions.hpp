@@ -13,6 +13,15 @@ namespace frac::detail {
 /// @param competitors  in the order of the ranking
 void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
                          const std::vector<Competitor>& competitors);
+/// Replaces the chosen candidate, where it is a member of a family without a physical meaning, by the sum of passive
+/// elements, unless the verdict speaks against its class or the data speak against it by more than price_of_assumption,
+/// and notes what was done.
+void prefer_elements(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                     const std::vector<Competitor>& competitors);
+/// Over time no such sums are grown.
+inline void prefer_elements(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
+                            const std::vector<Competitor>&) {}
+
 /// Over time nothing is assumed.
 inline void keep_to_assumptions(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
                                 const std::vector<Competitor>&) {}

@@ -80,7 +80,7 @@ Orders orders_of(const FitResult& fit, double share) {
 Departure evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer, double share) {
   Departure most;
   for (const Competitor& each : competitors) {
-    if (!each.is_fractional() || each.stands_in) continue;
+    if (!each.is_fractional() || each.stands_in || each.passive) continue;
     const double evidence = evidence_for(each, integer, share);
     if (!(evidence > most.evidence)) continue;
     const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);

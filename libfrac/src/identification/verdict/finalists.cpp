@@ -37,7 +37,9 @@ std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, b
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < competitors.size(); ++i) {
     const Competitor& each = competitors[i];
-    if (each.is_fractional() != fractional || each.stands_in || !is_comparable(each) || !takes_part(each)) continue;
+    if (each.is_fractional() != fractional || each.stands_in || each.passive || !is_comparable(each) ||
+        !takes_part(each))
+      continue;
     const double value = criterion(each);
     if (!std::isfinite(value) || !(value < least)) continue;
     least = value;
@@ -73,7 +75,7 @@ Finalists finalists_of(const std::vector<Competitor>& competitors) {
   double least_of_adequate = std::numeric_limits<double>::infinity();
   for (const Competitor& each : competitors) {
     const double value = criterion(each);
-    if (each.ranked.lack_of_fit.adequate && !each.stands_in && std::isfinite(value))
+    if (each.ranked.lack_of_fit.adequate && !each.stands_in && !each.passive && std::isfinite(value))
       least_of_adequate = std::min(least_of_adequate, value);
   }
   const auto follows_data = [&](const Competitor& each) { return follows(each, least_of_adequate); };

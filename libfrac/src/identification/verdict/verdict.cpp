@@ -119,7 +119,9 @@ void call_inadequate(IdentificationResult& result, const AxisUnit& unit) {
 
 /// Whether a ratio was grown from the data and no fractional family was.
 bool only_integer_grew(const std::vector<Competitor>& competitors, const Competitor& integer) {
-  const auto grew = [](const Competitor& each) { return each.is_fractional() && each.ranked.from_family; };
+  const auto grew = [](const Competitor& each) {
+    return each.is_fractional() && each.ranked.from_family && !each.passive;
+  };
   return integer.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), grew);
 }
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "frac/identification/model_library.hpp"
+#include "term_problem.hpp"
+
+namespace frac::detail {
+
+/// Sums of passive elements, each with a positive gain, simplest first, grown until neither of the last two sizes paid
+/// by element_value().
+struct ElementLadder {
+  std::vector<TermFit> fits;
+  std::size_t chosen = 0;
+};
+
+/// What passive elements in series make: an impedance, a modulus or a compliance, whose real part is nowhere negative,
+/// or the displacement of a structure per force where it acts, whose imaginary part is nowhere positive.
+enum class PassiveResponse { immittance, receptance };
+
+/// The one that the signs of the data leave less of; what they leave is a lower bound of the cost of any such sum.
+struct PassiveKind {
+  PassiveResponse response;
+  double least_cost;  // in the unit of the rule
+};
+[[nodiscard]] PassiveKind passive_kind(const ProjectedData& data);
+
+/// schwarz() with the search paid for: the places of elements like those of poles, and for each element the choice of
+/// its kind, 2 ln of the number of kinds.
+[[nodiscard]] double element_value(const TermProblem& problem, PassiveResponse response, const TermFit& fit);
+
+[[nodiscard]] ElementLadder grow_elements(const TermProblem& problem, std::size_t most_elements);
+
+/// The sum as a formula with start values, each gain positive.  Its name holds the circuit:
+/// "elements:L0+R0+(R1|CPE1)+Wo2", see ElementFamily.
+[[nodiscard]] NamedModel elements_written_out(const TermProblem& problem, const TermSum& sum);
+
+}  // namespace frac::detail
