@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "frac/parallel_for.hpp"
 #include "scene_adequacy.hpp"
@@ -44,7 +45,7 @@ constexpr double same_place = 0.01;
 
 bool agree(const LocalScene& one, const LocalScene& other, double within) {
   return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < within &&
-         std::abs(one.theta[3] - other.theta[3]) < within;
+         std::abs(one.theta[3] - other.theta[3]) < within && std::abs(one.theta[4] - other.theta[4]) < within;
 }
 
 bool better(const LocalScene& one, const LocalScene& other) {
@@ -204,6 +205,73 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
                std::none_of(result.rivals.begin(), result.rivals.end(),
                             [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
       result.rivals.push_back(local);
+    }
+  }
+  return result;
+}
+
+namespace {
+
+// Contact times, in units of 1/omega, from which longer contacts are looked for: .01, .03 and .1 of a period.
+constexpr std::array<double, 3> contact_times = {0.06, 0.2, 0.6};
+constexpr std::size_t starts_of_contact_time = 12;
+constexpr std::size_t contacts_pursued = 3;
+
+}  // namespace
+
+ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard, int threads) {
+  ContactSearch result{{}, std::numeric_limits<double>::infinity()};
+  SceneSearcher searcher(data, known, threads);
+  KnownScene hard_scene = known;
+  hard_scene.bounds.lower[4] = hard_scene.bounds.upper[4] = 0;
+  const auto clamped = [&](SceneVector theta) {
+    theta[4] = std::clamp(theta[4], known.bounds.lower[4], known.bounds.upper[4]);
+    return theta;
+  };
+  std::vector<SceneVector> starts;
+  bool is_described = false;
+  if (hard.best.usable) {
+    const LocalScene best =
+        solve_scene(data, hard_scene.bounds, hard.best.theta, Effort::settle, Motions::all);
+    result.hard_deviance = best.deviance;
+    is_described = complete(data, hard_scene.bounds, best);
+    starts.push_back(clamped(hard.best.theta));
+    for (const LocalScene& rival : hard.rivals)
+      if (starts.size() < contacts_pursued) starts.push_back(clamped(rival.theta));
+  }
+  if (!is_described && known.bounds.is_free(4)) {
+    std::vector<SceneVector> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
+    if (places.empty()) places = scene_starts(data, known.bounds, known.fixed, {}, false, starts_of_contact_time);
+    std::vector<SceneVector> longer;
+    for (const double time : contact_times) {
+      for (SceneVector place : places) {
+        place[4] = time;
+        longer.push_back(clamped(place));
+      }
+    }
+    std::size_t pursued = 0;
+    std::vector<LocalScene> taken;
+    for (LocalScene& local : searcher.solve(longer, Effort::settle, Motions::two_impact)) {
+      if (pursued == contacts_pursued) break;
+      if (std::any_of(taken.begin(), taken.end(), [&](const auto& other) { return agree(local, other, same_place); }))
+        continue;
+      starts.push_back(local.theta);
+      taken.push_back(std::move(local));
+      ++pursued;
+    }
+    result.scenes.starts += longer.size();
+  }
+  const std::vector<LocalScene> settled = searcher.solve(starts, Effort::settle, Motions::all);
+  result.scenes.starts += hard.starts + starts.size();
+  if (settled.empty()) return result;
+  result.scenes.best = settled.front();
+  for (const LocalScene& local : settled) {
+    if (agree(local, result.scenes.best, same_estimate)) {
+      ++result.scenes.starts_at_best;
+    } else if (local.deviance < result.scenes.best.deviance + rival_deviance &&
+               std::none_of(result.scenes.rivals.begin(), result.scenes.rivals.end(),
+                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
+      result.scenes.rivals.push_back(local);
     }
   }
   return result;
