@@ -140,50 +140,54 @@ std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundM
 
 namespace {
 
-std::optional<Complex> hard_h(double gamma, double restitution, bool kind_followed, Complex near) {
+std::optional<Complex> hard_h(double gamma, double restitution, bool is_followed, Complex near) {
   std::optional<Complex> nearest;
   const auto offer = [&](Complex h) {
     if (!nearest || std::abs(h - near) < std::abs(*nearest - near)) nearest = h;
   };
   if (const auto response = two_impact_response(gamma, restitution)) offer(response->h);
-  if (kind_followed)
+  if (is_followed)
     if (const auto h = sticking_h(gamma, restitution)) offer(*h);
   return nearest;
 }
 
-std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma, double tau, bool kind_followed,
+std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma, double tau, bool is_followed,
                                     FoundMotions& found, bool from_rest) {
-  if (kind_followed) return motions.followed(gamma, tau, found, from_rest);
+  if (is_followed) return motions.followed(gamma, tau, found, from_rest);
   const auto orbit = motions.symmetric(gamma, tau, found);
   return orbit ? std::optional<Complex>(orbit->h) : std::nullopt;
 }
 
 }  // namespace
 
-std::optional<Complex> contact_h(double gamma, double restitution, double tau, bool kind_followed, FoundMotions& found,
-                                 bool from_rest) {
-  const double least = kind_followed ? least_followed_tau : least_symmetric_tau;
-  const ContactMotions motions(restitution);
-  const auto h = h_of_contact(motions, gamma, std::max(tau, least), kind_followed, found, from_rest);
+std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, double tau, bool is_followed,
+                                 FoundMotions& found, bool from_rest) {
+  const double least = is_followed ? least_followed_tau : least_symmetric_tau;
+  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_rest);
   if (!h || tau >= least) return h;
-  const auto hard = hard_h(gamma, restitution, kind_followed, *h);
+  const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h);
   if (!hard) return std::nullopt;
   return *hard + tau / least * (*h - *hard);
 }
 
-std::optional<GapResponse> contact_response(double gamma, double restitution, double tau, bool kind_followed,
-                                            FoundMotions& found) {
-  const auto here = contact_h(gamma, restitution, tau, kind_followed, found, true);
+ContactResponses::ContactResponses(double restitution)
+    : here_(restitution),
+      beside_(restitution + contact_difference <= 1 ? restitution + contact_difference
+                                                    : restitution - contact_difference) {}
+
+std::optional<GapResponse> ContactResponses::at(double gamma, double tau, bool is_followed, FoundMotions found) const {
+  const auto here = contact_h(here_, gamma, tau, is_followed, found, true);
   if (!here) return std::nullopt;
-  const double step = restitution + contact_difference <= 1 ? contact_difference : -contact_difference;
-  const double by = std::max(tau * contact_difference, kind_followed ? least_followed_tau : least_symmetric_tau);
-  const auto moved = [&](double log_change, double change, double longer) {
+  const double by = std::max(tau * contact_difference, is_followed ? least_followed_tau : least_symmetric_tau);
+  const auto moved = [&](const ContactMotions& motions, double log_change, double longer) {
     FoundMotions neighbour = found;
-    return contact_h(gamma * std::exp(log_change), restitution + change, tau + longer, kind_followed, neighbour, false);
+    return contact_h(motions, gamma * std::exp(log_change), tau + longer, is_followed, neighbour, false);
   };
-  const auto stronger = moved(contact_difference, 0, 0), beside = moved(0, step, 0), longer = moved(0, 0, by);
+  const auto stronger = moved(here_, contact_difference, 0), beside = moved(beside_, 0, 0),
+             longer = moved(here_, 0, by);
   if (!stronger || !beside || !longer) return std::nullopt;
-  return GapResponse{*here, (*stronger - *here) / contact_difference, (*beside - *here) / step, (*longer - *here) / by};
+  return GapResponse{*here, (*stronger - *here) / contact_difference,
+                     (*beside - *here) / (beside_.restitution() - here_.restitution()), (*longer - *here) / by};
 }
 
 }  // namespace backlash::detail

@@ -46,6 +46,8 @@ class ContactMotions {
   [[nodiscard]] std::optional<std::complex<double>> followed(double gamma, double tau, FoundMotions& found,
                                                              bool from_rest) const;
 
+  [[nodiscard]] double restitution() const noexcept { return restitution_; }
+
  private:
   [[nodiscard]] std::optional<SymmetricCompliantOrbit> from_hard(const CompliantGroups& groups) const;
   [[nodiscard]] std::optional<SymmetricCompliantOrbit> at_hard_gamma(const CompliantGroups& groups) const;
@@ -55,14 +57,22 @@ class ContactMotions {
   ContactShape shape_;
 };
 
-/// With derivatives by differences, to four or five digits.  At tau = 0 those of the hard motion, and by tau the slope to
-/// a small contact time.  Empty where the motion, or one of a neighbour, does not exist.
-/// @param kind_followed  the orbit followed() instead of the symmetric one
-[[nodiscard]] std::optional<GapResponse> contact_response(double gamma, double restitution, double tau,
-                                                          bool kind_followed, FoundMotions& found);
+/// h of the symmetric orbit, or of the orbit followed().  Near tau = 0 interpolated from the hard motion.
+/// @param tau  >= 0
+[[nodiscard]] std::optional<std::complex<double>> contact_h(const ContactMotions& motions, double gamma, double tau,
+                                                            bool is_followed, FoundMotions& found, bool from_rest);
 
-/// h alone.
-[[nodiscard]] std::optional<std::complex<double>> contact_h(double gamma, double restitution, double tau,
-                                                            bool kind_followed, FoundMotions& found, bool from_rest);
+/// The same over a neighbourhood.
+class ContactResponses {
+ public:
+  /// @param restitution  as contact_shape()
+  explicit ContactResponses(double restitution);
+  /// With derivatives by differences, to four or five digits.  Empty where the motion, or one of a neighbour, does not
+  /// exist.
+  [[nodiscard]] std::optional<GapResponse> at(double gamma, double tau, bool is_followed, FoundMotions found) const;
+
+ private:
+  ContactMotions here_, beside_;
+};
 
 }  // namespace backlash::detail

@@ -134,12 +134,6 @@ Regime regime_of(const detail::PointChoice& choice, double gamma, double restitu
   return Regime::averaged;
 }
 
-std::size_t used_residuals(const detail::SceneData& data, const detail::LocalScene& local) {
-  return data.residuals_per_point() *
-         static_cast<std::size_t>(std::count_if(local.choices.begin(), local.choices.end(),
-                                                [](const detail::PointChoice& choice) { return choice.used; }));
-}
-
 void report_points(const detail::SceneData& data, const detail::LocalScene& local, SceneIdentification& result) {
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const detail::MeasuredPoint& point = data.points[i];
@@ -178,9 +172,11 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
 }
 
-std::string contact_text(const SceneIdentification& result) {
+std::string contact_text(const SceneIdentification& result, bool takes_time) {
   using frac::detail::short_text;
-  if (result.contact.empty()) return "";
+  if (result.contact.empty()) {
+    return !takes_time ? "" : " The points used are too few for contacts that take time, and the intervals are those of hard contacts.";
+  }
   const SceneEstimate& time = result.contact.front();
   if (time.fixed) return "";
   if (result.contact_verdict == ContactModel::compliant) {
@@ -192,7 +188,7 @@ std::string contact_text(const SceneIdentification& result) {
   return text + ".";
 }
 
-std::string message_of(const SceneIdentification& result) {
+std::string message_of(const SceneIdentification& result, bool takes_time) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
     if (parameter.fixed) continue;
@@ -211,7 +207,7 @@ std::string message_of(const SceneIdentification& result) {
             frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
-  text += contact_text(result);
+  text += contact_text(result, takes_time);
   if (!result.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
   }
@@ -265,33 +261,31 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   const auto begin = std::chrono::steady_clock::now();
   detail::check_curves(curves, options);
   const detail::SceneData data = detail::scene_data(curves, options);
-  const detail::KnownScene known = known_scene(data, options.constraints, options.contact);
-  const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < known.bounds.free_count()) {
-    throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
-                                std::to_string(known.bounds.free_count()) + " free parameters");
-  }
-  const std::vector<double> jumps = detail::products_from_jumps(curves);
+  detail::KnownScene known = known_scene(data, options.constraints, options.contact);
   detail::KnownScene hard = known;
   hard.bounds.lower[4] = hard.bounds.upper[4] = 0;
+  const std::size_t residuals = data.points.size() * data.residuals_per_point();
+  if (residuals < hard.bounds.free_count()) {
+    throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
+                                std::to_string(hard.bounds.free_count()) + " free parameters");
+  }
+  const std::vector<double> jumps = detail::products_from_jumps(curves);
   detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
 
   SceneIdentification result{};
-  result.contact_verdict = ContactModel::hard;
+  result.contact_verdict = options.contact;
   result.contact_evidence = nan;
-  if (known.bounds.upper[4] > 0) {
+  const bool takes_time = known.bounds.upper[4] > 0;
+  if (takes_time) {
     detail::ContactSearch freed = detail::search_contact(data, known, found, options.threads);
-    found = std::move(freed.scenes);
-    // What a fifth parameter costs is no likelihood.
-    const double cost =
-        known.bounds.is_free(4) ? std::log(static_cast<double>(used_residuals(data, found.best))) : 0.0;
-    result.contact_evidence = freed.hard_deviance - found.best.deviance + cost;
-    const bool is_told = result.contact_evidence > significant_contact * significant_contact;
-    result.contact_verdict =
-        found.best.theta[4] > 0 && is_told ? ContactModel::compliant : ContactModel::automatic;
+    if (freed.scenes.best.usable || !found.best.usable) {
+      found = std::move(freed.scenes);
+      result.contact_evidence = freed.evidence;
+    } else {
+      // Hard contacts then, of which nothing is stated.
+      known = hard;
+    }
   }
-  result.starts = found.starts;
-  result.starts_at_best = found.starts_at_best;
   if (!found.best.usable) {
     result.termination = frac::FitTermination::no_usable_start;
     result.message = "No scene within the limits has steady motions at as many points as there are free parameters.";
@@ -325,10 +319,20 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.parameters = uncertainty.parameters;
     result.combinations = uncertainty.combinations;
     result.contact = uncertainty.contact;
+    if (!result.contact.empty()) {
+      // A likelihood ratio alone may come from points that one of the two leaves out.
+      const bool is_told = result.contact_evidence > significant_contact * significant_contact &&
+                           (result.contact.front().fixed || result.contact.front().ci95_lower > 0);
+      result.contact_verdict = is_told ? ContactModel::compliant : ContactModel::automatic;
+    }
     // At a limit of one parameter the intervals of the others hold for a scene that has it there.
-    const auto is_at_limit = [](const SceneEstimate& estimate) { return estimate.at_bound; };
-    const bool at_limit = std::any_of(result.parameters.begin(), result.parameters.end(), is_at_limit) ||
-                          (!result.contact.empty() && is_at_limit(result.contact.front()));
+    const bool is_contact_at_limit =
+        result.contact.empty() ? takes_time
+                               : result.contact.front().at_bound || (options.contact == ContactModel::compliant &&
+                                                                     !(result.contact.front().value > 0));
+    const bool at_limit = is_contact_at_limit ||
+                          std::any_of(result.parameters.begin(), result.parameters.end(),
+                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
     if (!result.misfits.empty() || !found.best.converged || at_limit) {
       for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;
@@ -350,7 +354,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residuals = equations.residuals;
     result.rms = std::sqrt(equations.cost / static_cast<double>(equations.residuals));
     result.termination = found.best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
-    result.message = message_of(result);
+    result.message = message_of(result, takes_time);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

@@ -216,55 +216,72 @@ namespace {
 constexpr std::array<double, 3> contact_times = {0.06, 0.2, 0.6};
 constexpr std::size_t starts_of_contact_time = 12;
 constexpr std::size_t contacts_pursued = 3;
+constexpr std::size_t longer_pursued = 2;
+
+// See ContactSearch::evidence.
+double evidence_over(const SceneData& data, LocalScene hard, LocalScene compliant, std::size_t parameters) {
+  using Kind = PointChoice::Kind;
+  for (std::size_t i = 0; i < hard.choices.size(); ++i) {
+    if (hard.choices[i].kind == Kind::none && compliant.choices[i].kind == Kind::none)
+      compliant.choices[i] = hard.choices[i];
+  }
+  const auto deviance = [&](const LocalScene& scene) {
+    return scene_evidence(data, scene.choices, parameters, Effort::settle).deviance;
+  };
+  return deviance(hard) - deviance(compliant);
+}
+
+// The places at which orbits of two longer contacts, in closed form, explain the data best.
+std::vector<SceneVector> longer_contacts(const SceneData& data, const KnownScene& known, SceneSearcher& searcher,
+                                         const std::vector<SceneVector>& beside) {
+  std::vector<SceneVector> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
+  if (places.empty()) places = scene_starts(data, known.bounds, known.fixed, {}, false, starts_of_contact_time);
+  std::vector<SceneVector> starts;
+  for (const double time : contact_times) {
+    for (SceneVector place : places) {
+      place[4] = std::clamp(time, known.bounds.lower[4], known.bounds.upper[4]);
+      starts.push_back(place);
+    }
+  }
+  starts.insert(starts.end(), beside.begin(), beside.end());
+  std::vector<SceneVector> found;
+  std::vector<LocalScene> taken;
+  for (LocalScene& local : searcher.solve(starts, Effort::settle, Motions::two_impact)) {
+    if (found.size() == longer_pursued) break;
+    if (std::any_of(taken.begin(), taken.end(), [&](const auto& other) { return agree(local, other, same_place); }))
+      continue;
+    found.push_back(local.theta);
+    taken.push_back(std::move(local));
+  }
+  return found;
+}
 
 }  // namespace
 
 ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard, int threads) {
   ContactSearch result{{}, std::numeric_limits<double>::infinity()};
   SceneSearcher searcher(data, known, threads);
-  KnownScene hard_scene = known;
-  hard_scene.bounds.lower[4] = hard_scene.bounds.upper[4] = 0;
-  const auto clamped = [&](SceneVector theta) {
-    theta[4] = std::clamp(theta[4], known.bounds.lower[4], known.bounds.upper[4]);
-    return theta;
-  };
   std::vector<SceneVector> starts;
-  bool is_described = false;
   if (hard.best.usable) {
-    const LocalScene best =
-        solve_scene(data, hard_scene.bounds, hard.best.theta, Effort::settle, Motions::all);
-    result.hard_deviance = best.deviance;
-    is_described = complete(data, hard_scene.bounds, best);
-    starts.push_back(clamped(hard.best.theta));
+    starts.push_back(hard.best.theta);
     for (const LocalScene& rival : hard.rivals)
-      if (starts.size() < contacts_pursued) starts.push_back(clamped(rival.theta));
+      if (starts.size() < contacts_pursued) starts.push_back(rival.theta);
   }
-  if (!is_described && known.bounds.is_free(4)) {
-    std::vector<SceneVector> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
-    if (places.empty()) places = scene_starts(data, known.bounds, known.fixed, {}, false, starts_of_contact_time);
-    std::vector<SceneVector> longer;
-    for (const double time : contact_times) {
-      for (SceneVector place : places) {
-        place[4] = time;
-        longer.push_back(clamped(place));
-      }
-    }
-    std::size_t pursued = 0;
-    std::vector<LocalScene> taken;
-    for (LocalScene& local : searcher.solve(longer, Effort::settle, Motions::two_impact)) {
-      if (pursued == contacts_pursued) break;
-      if (std::any_of(taken.begin(), taken.end(), [&](const auto& other) { return agree(local, other, same_place); }))
-        continue;
-      starts.push_back(local.theta);
-      taken.push_back(std::move(local));
-      ++pursued;
-    }
-    result.scenes.starts += longer.size();
+  for (SceneVector& start : starts) start[4] = std::clamp(start[4], known.bounds.lower[4], known.bounds.upper[4]);
+  std::vector<LocalScene> settled = searcher.solve(starts, Effort::settle, Motions::all);
+  if (known.bounds.is_free(4) && (settled.empty() || !complete(data, known.bounds, settled.front()))) {
+    searcher.settle_too(longer_contacts(data, known, searcher, starts), settled);
   }
-  const std::vector<LocalScene> settled = searcher.solve(starts, Effort::settle, Motions::all);
-  result.scenes.starts += hard.starts + starts.size();
+  result.scenes.starts = hard.starts + starts.size() + searcher.starts();
   if (settled.empty()) return result;
+  searcher.explain(settled);
   result.scenes.best = settled.front();
+  if (hard.best.usable) {
+    KnownScene hard_scene = known;
+    hard_scene.bounds.lower[4] = hard_scene.bounds.upper[4] = 0;
+    const LocalScene best = solve_scene(data, hard_scene.bounds, hard.best.theta, Effort::settle, Motions::all);
+    result.evidence = evidence_over(data, best, result.scenes.best, known.bounds.free_count());
+  }
   for (const LocalScene& local : settled) {
     if (agree(local, result.scenes.best, same_estimate)) {
       ++result.scenes.starts_at_best;

@@ -35,8 +35,9 @@ struct SceneSearch {
 
 struct ContactSearch {
   SceneSearch scenes;
-  /// Of the best scene with hard contacts, as scene_evidence() rates it; infinite where there is none.
-  double hard_deviance;
+  /// Twice the logarithm of the likelihood of the best scene over that of the best one with hard contacts; infinite where
+  /// there is none.  Points that neither explains say nothing.
+  double evidence;
 };
 
 /// Frees the time of a contact: from scenes with hard contacts and, where these do not describe the data, from longer

@@ -24,6 +24,8 @@ using SceneStep = Eigen::Matrix<double, size, 1>;
 
 constexpr int most_rounds = 20;
 constexpr int most_iterations = 12;
+// Many steps are refused where one of many motions ends nearby, until the point is left out.
+constexpr int most_iterations_with_contacts = 40;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // A round that moves the estimate by less than this, in standard errors, is the last.
@@ -36,7 +38,7 @@ constexpr double about_the_orbit = 1.25;
 // Likewise, of contacts that take time: largest multiplier of their symmetric orbit.
 constexpr double multiplier_beyond_loss = 2;
 // A motion that led to no orbit of one period this often is left alone.
-constexpr int most_failures = 3;
+constexpr int most_failures = 2;
 double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
@@ -66,7 +68,9 @@ class Solver {
     LocalScene result;
     theta_ = start;
     effort_ = effort;
-    iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
+    iterations_ = effort == Effort::glance ? iterations_of_a_glance
+                  : contacts_take_time()   ? most_iterations_with_contacts
+                                           : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
     for (int round = 0; round < rounds; ++round) {
       const std::vector<PointChoice> before = choices_;
@@ -74,7 +78,8 @@ class Solver {
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
       if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
-        result.converged = least_squares_converged_;
+        // Where contacts take time a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
+        result.converged = least_squares_converged_ || contacts_take_time();
         break;
       }
       least_squares();
@@ -116,29 +121,32 @@ class Solver {
   }
 
   [[nodiscard]] bool contacts_take_time() const { return !found_.empty(); }
+  [[nodiscard]] std::optional<ContactMotions> contact_motions(const SceneVector& theta) const {
+    return contacts_take_time() ? std::optional<ContactMotions>(theta[3]) : std::nullopt;
+  }
 
   // Of contacts that take time.
-  void offer_contact_motions(std::size_t i, const OutputCoefficients& coefficients, double free_until, double onset,
-                             double most_multiplier) {
+  void offer_contact_motions(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions& motions,
+                             double free_until, double onset, double most_multiplier) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point), tau = contact_angle(theta_, data_, point);
     FoundMotions& found = found_[i];
     bool is_stable = false;
-    if (const auto h = contact_h(gamma, theta_[3], tau, false, found, true)) {
+    if (const auto h = contact_h(motions, gamma, tau, false, found, true)) {
       is_stable = found.symmetric->largest_multiplier < 1;
       if (found.symmetric->largest_multiplier < most_multiplier)
         offer(i, coefficients, PointChoice::Kind::two_impact, *h);
     }
     if (motions_ != Motions::all) return;
     if (data_.output == Output::x2 && gamma <= free_until) offer(i, coefficients, PointChoice::Kind::free, 0.0);
-    if (effort_ == Effort::settle && (!is_stable || gamma >= onset)) offer_followed(i, coefficients);
+    if (effort_ == Effort::settle && (!is_stable || gamma >= onset)) offer_followed(i, coefficients, motions);
   }
 
   // The orbit of one period that is near, or that contact at rest leads to.
-  void offer_followed(std::size_t i, const OutputCoefficients& coefficients) {
+  void offer_followed(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions& motions) {
     const MeasuredPoint& point = data_.points[i];
     FoundMotions& found = found_[i];
-    const auto h = contact_h(gamma_at(theta_, point), theta_[3], contact_angle(theta_, data_, point), true, found,
+    const auto h = contact_h(motions, gamma_at(theta_, point), contact_angle(theta_, data_, point), true, found,
                              found.failures < most_failures);
     if (h) {
       offer(i, coefficients, PointChoice::Kind::sticking, *h);
@@ -148,14 +156,14 @@ class Solver {
   }
 
   // limit: gamma up to which the orbit of two impacts, which is stable up to orbit_end, counts.
-  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double orbit_end,
-                     double onset) {
+  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions* contact, double limit,
+                     double orbit_end, double onset) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point);
     const double restitution = theta_[3];
     choices_[i] = {};
-    if (contacts_take_time()) {
-      offer_contact_motions(i, coefficients, limit, onset, limit > orbit_end ? multiplier_beyond_loss : 1);
+    if (contact != nullptr) {
+      offer_contact_motions(i, coefficients, *contact, limit, onset, limit > orbit_end ? multiplier_beyond_loss : 1);
     } else {
       offer_hard_motions(i, coefficients, limit, onset);
     }
@@ -201,7 +209,8 @@ class Solver {
     const double orbit_end = two_impact_end(theta_[3]);
     const double limit = orbit_end * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
     const double onset = motions_ == Motions::all ? chatter_onset(theta_[3]) : std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, orbit_end, onset);
+    const std::optional<ContactMotions> contact = contact_motions(theta_);
+    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, contact ? &*contact : nullptr, limit, orbit_end, onset);
     use_by_evidence(data_, choices_, bounds_.free_count(), effort_);
   }
 
@@ -213,11 +222,12 @@ class Solver {
     return result;
   }
 
-  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta) const {
+  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta,
+                                            const ContactMotions* contact) const {
     const double gamma = gamma_at(theta, data_.points[i]);
-    if (contacts_take_time() && choices_[i].kind != PointChoice::Kind::free) {
+    if (contact != nullptr && choices_[i].kind != PointChoice::Kind::free) {
       FoundMotions found = found_[i];
-      return contact_h(gamma, theta[3], contact_angle(theta, data_, data_.points[i]),
+      return contact_h(*contact, gamma, contact_angle(theta, data_, data_.points[i]),
                        choices_[i].kind == PointChoice::Kind::sticking, found, false);
     }
     switch (choices_[i].kind) {
@@ -237,9 +247,10 @@ class Solver {
   [[nodiscard]] Evaluation evaluate(const SceneVector& theta, const std::vector<double>& deviation, bool all) const {
     Evaluation result;
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
+    const std::optional<ContactMotions> contact = contact_motions(theta);
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       if (!choices_[i].used) continue;
-      const auto h = h_at(i, theta);
+      const auto h = h_at(i, theta, contact ? &*contact : nullptr);
       if (!h) {
         result.ended.push_back(i);
         if (!all) return result;
@@ -287,24 +298,19 @@ std::optional<GapResponse> response_of(const SceneData& data, const SceneVector&
   return std::nullopt;
 }
 
-std::optional<GapResponse> response_of_contact(const SceneData& data, const SceneVector& theta, std::size_t i,
-                                               const PointChoice& choice, FoundMotions found) {
-  const MeasuredPoint& point = data.points[i];
-  return contact_response(gamma_at(theta, point), theta[3], contact_angle(theta, data, point),
-                          choice.kind == PointChoice::Kind::sticking, found);
-}
-
 // found: empty where contacts are hard
 NormalEquations products(const SceneData& data, const SceneVector& theta, const std::vector<PointChoice>& choices,
                          const std::vector<FoundMotions>& found, const std::vector<double>* deviation, Effort effort) {
   NormalEquations result;
   const OutputCoefficients coefficients = output_coefficients(theta, data.output);
   const std::size_t per_point = data.residuals_per_point();
+  const auto contact = found.empty() ? std::nullopt : std::optional<ContactResponses>(theta[3]);
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (!choices[i].used) continue;
-    const auto response = found.empty() || choices[i].kind == PointChoice::Kind::free
-                              ? response_of(data, theta, i, choices[i], effort)
-                              : response_of_contact(data, theta, i, choices[i], found[i]);
+    const auto response = contact && choices[i].kind != PointChoice::Kind::free
+                              ? contact->at(gamma_at(theta, data.points[i]), contact_angle(theta, data, data.points[i]),
+                                            choices[i].kind == PointChoice::Kind::sticking, found[i])
+                              : response_of(data, theta, i, choices[i], effort);
     if (!response) continue;
     const MeasuredPoint& point = data.points[i];
     const PointGradient model = point_gradient(coefficients, data, point, *response);

@@ -109,7 +109,8 @@ struct SceneIdentification {
   /// contact time 0, and have no upper end of their interval where that may be 0.  Empty for ContactModel::hard.
   std::vector<SceneEstimate> contact;
   /// Whether the data tell the contact from a hard one: hard where that was asked for; compliant where the likelihood
-  /// ratio is beyond what chance does once in a thousand; automatic where they do not.
+  /// ratio is beyond what chance does once in a thousand and the interval of the contact time excludes 0; automatic
+  /// where they do not.
   ContactModel contact_verdict;
   /// Twice the logarithm of the likelihood of contacts that take time over that of hard ones, each at its best and at its
   /// own noise; NaN for ContactModel::hard.
