@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether the 95 % intervals of identify_scene hold where contacts have stiffness and damping, and how often it is
 // confidently wrong: seeded random scenes of N of x1 or x2 at two or three forces, noise of 1 %, the time of a free
-// contact a given share of the period of the band's middle at the first force (0: hard contacts).  Half of the bands lie
-// where hard contacts have their symmetric orbit of two impacts, half reach below it.
-// An estimate is stated where it is called identified, held where its interval holds the truth; a scene is confidently
-// wrong where something is stated and each interval stated excludes the truth, far off where one of them misses it by
-// more than twice its reach.
+// contact a given share of the period of the band's middle at the first force (0: hard contacts).  Half of the bands
+// lie where hard contacts have their symmetric orbit of two impacts, half reach below it. An estimate is stated where
+// it is called identified, held where its interval holds the truth; a scene is confidently wrong where something is
+// stated and each interval stated excludes the truth, far off where one of them misses it by more than twice its reach.
 // Usage: contact_identification_rates [--smoke] [--each] [--hard] [scenes of each time] [seed]; --hard takes contacts
 // for hard ones.
 #include <algorithm>
@@ -77,8 +76,7 @@ Case random_case(support::Random& random, double share) {
     } else {
       const double ratio = backlash::damping_ratio_of_restitution(restitution);
       const double angle = backlash::free_contact(backlash::CompliantContact(1, 2 * ratio), 2, 2).duration;
-      const auto contact =
-          backlash::CompliantContact::from_frequency(angle / made.contact_time, ratio, mass1, mass2);
+      const auto contact = backlash::CompliantContact::from_frequency(angle / made.contact_time, ratio, mass1, mass2);
       const backlash::CompliantBodies bodies(backlash::free_mass(mass1), backlash::free_mass(mass2), clearance,
                                              contact);
       value = backlash::bodies_describing_function(bodies, force, led_in, sweep).data().value();
@@ -105,7 +103,7 @@ void judge(const Case& scene, bool each, Tally& tally) {
   tally.seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   ++tally.scenes;
   tally.flagged += result.misfits.empty() ? 0 : 1;
-  tally.told += result.contact_verdict == backlash::ContactModel::compliant ? 1 : 0;
+  tally.told += result.contact_verdict == backlash::ContactVerdict::compliant ? 1 : 0;
   int stated = 0, held = 0;
   bool far_off = false;
   std::string text;
@@ -116,8 +114,8 @@ void judge(const Case& scene, bool each, Tally& tally) {
     text += shown;
     const bool holds = estimate.ci95_lower <= truth && truth <= estimate.ci95_upper;
     if (!estimate.identified) return holds;
-    const double reach = truth > estimate.value ? estimate.ci95_upper - estimate.value
-                                                : estimate.value - estimate.ci95_lower;
+    const double reach =
+        truth > estimate.value ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
     far_off = far_off || std::abs(estimate.value - truth) > 2 * reach;
     ++stated;
     held += holds ? 1 : 0;

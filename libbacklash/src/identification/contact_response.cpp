@@ -19,8 +19,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double least_restitution = 1e-6;
-// Below these angles of contact N is interpolated between the hard contact and one of this angle: it is off by the square
-// of the angle, and contacts so short lose digits, or bounce for long.
+// Below these angles of contact N is interpolated between the hard contact and one of this angle: it is off by the
+// square of the angle, and contacts so short lose digits, or bounce for long.
 constexpr double least_symmetric_tau = 1e-5, least_followed_tau = 1e-3;
 // Orbits are solved to rounding; derivatives keep four or five digits.
 constexpr double contact_difference = 1e-5;
@@ -29,15 +29,14 @@ constexpr double contact_difference = 1e-5;
 constexpr double each_mass = 2;
 
 CompliantBodies unit_bodies(const CompliantGroups& groups) {
-  return {free_mass(each_mass), free_mass(each_mass), 1, CompliantContact(groups.nu * groups.nu, 2 * groups.zeta * groups.nu)};
+  return {free_mass(each_mass), free_mass(each_mass), 1,
+          CompliantContact(groups.nu * groups.nu, 2 * groups.zeta * groups.nu)};
 }
 
-// The orbit of one period that a motion from contact at rest comes to within some periods.
-std::optional<CompliantOrbit> orbit_from_rest(const CompliantFlow& flow) {
+// The orbit of one period that a motion comes to within some periods.
+std::optional<CompliantOrbit> orbit_after(const CompliantFlow& flow, CompliantRun run) {
   constexpr std::array<int, 4> followed = {6, 6, 12, 24};
   constexpr double near = 0.05;  // over the sizes of the states, from where Newton's method is tried
-  const Eigen::VectorXd start = flow.start({0.25, 0, -0.25, 0});
-  CompliantRun run(flow, start, flow.mode_of(start));
   for (const int periods : followed) {
     for (int n = 0; n + 1 < periods; ++n)
       if (!run.follow(1)) return std::nullopt;
@@ -51,6 +50,27 @@ std::optional<CompliantOrbit> orbit_from_rest(const CompliantFlow& flow) {
     if (orbit && orbit->contacts > 0 && orbit->largest_multiplier < 1) return orbit;
   }
   return std::nullopt;
+}
+
+CompliantRun from_rest(const CompliantFlow& flow) {
+  const Eigen::VectorXd start = flow.start({0.25, 0, -0.25, 0});
+  return {flow, start, flow.mode_of(start)};
+}
+
+// Beside a symmetric orbit, at the next peak of the force; the centre of mass as the force leaves it.
+CompliantRun beside(const CompliantFlow& flow, const SymmetricCompliantOrbit& orbit) {
+  constexpr double faster = 1.02;
+  constexpr double turn = 2 * std::numbers::pi;
+  const double rate = faster * orbit.speed;
+  const double centre = flow.force() / (2 * each_mass) * std::sin(orbit.angle);
+  Eigen::VectorXd state = flow.start({0, centre - rate / 2, 0.5, centre + rate / 2});
+  state[CompliantFlow::cosine] = std::cos(orbit.angle);
+  state[CompliantFlow::sine] = std::sin(orbit.angle);
+  CompliantRun run(flow, state, flow.mode_of(state));
+  const double until = turn - std::fmod(std::fmod(orbit.angle, turn) + turn, turn);
+  while (run.time() < until && !run.has_escaped()) run.advance(until);
+  const Eigen::VectorXd at_peak = flow.start(CompliantFlow::positions(run.state()));
+  return {flow, at_peak, flow.mode_of(at_peak)};
 }
 
 }  // namespace
@@ -104,7 +124,8 @@ std::optional<SymmetricCompliantOrbit> ContactMotions::from_hard(const Compliant
   return orbit;
 }
 
-std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma, double tau, FoundMotions& found) const {
+std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma, double tau,
+                                                                   FoundMotions& found) const {
   const CompliantGroups at = groups(gamma, tau);
   std::optional<SymmetricCompliantOrbit> orbit;
   if (found.symmetric)
@@ -119,7 +140,7 @@ std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma,
   return Symmetric{orbit->contact[0] / gamma, orbit->largest_multiplier};
 }
 
-std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundMotions& found, bool from_rest) const {
+std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundMotions& found, bool from_start) const {
   constexpr double exact = 1e-9;  // of fractional powers, of which there are none
   const SineForce force{each_mass * gamma, 1};
   const CompliantGroups at = groups(gamma, tau);
@@ -129,7 +150,14 @@ std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundM
     orbit = closed_orbit(flow, found.followed->state, found.followed->mode, 1);
     if (orbit && !(orbit->contacts > 0 && orbit->largest_multiplier < 1)) orbit.reset();
   }
-  if (!orbit && from_rest) orbit = orbit_from_rest(flow);
+  if (from_start) {
+    // Where the symmetric orbit has just lost its stability an asymmetric one is beside it.
+    constexpr double just_lost = 2;
+    const auto& symmetric = found.symmetric;
+    if (!orbit && symmetric && symmetric->largest_multiplier >= 1 && symmetric->largest_multiplier < just_lost)
+      orbit = orbit_after(flow, beside(flow, *symmetric));
+    if (!orbit) orbit = orbit_after(flow, from_rest(flow));
+  }
   if (!orbit) return std::nullopt;
   CompliantRun run(flow, orbit->state, orbit->mode);
   run.follow(1);
@@ -152,8 +180,8 @@ std::optional<Complex> hard_h(double gamma, double restitution, bool is_followed
 }
 
 std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                    FoundMotions& found, bool from_rest) {
-  if (is_followed) return motions.followed(gamma, tau, found, from_rest);
+                                    FoundMotions& found, bool from_start) {
+  if (is_followed) return motions.followed(gamma, tau, found, from_start);
   const auto orbit = motions.symmetric(gamma, tau, found);
   return orbit ? std::optional<Complex>(orbit->h) : std::nullopt;
 }
@@ -161,9 +189,9 @@ std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma,
 }  // namespace
 
 std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                 FoundMotions& found, bool from_rest) {
+                                 FoundMotions& found, bool from_start) {
   const double least = is_followed ? least_followed_tau : least_symmetric_tau;
-  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_rest);
+  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start);
   if (!h || tau >= least) return h;
   const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h);
   if (!hard) return std::nullopt;

@@ -14,7 +14,7 @@ namespace backlash::detail {
 struct FoundMotions {
   std::optional<SymmetricCompliantOrbit> symmetric;
   std::optional<CompliantOrbit> followed;
-  int failures = 0;  // of following the motion from rest
+  int failures = 0;  // of following the motion from its start
 };
 
 /// Of a free contact with damping.
@@ -26,8 +26,8 @@ struct ContactShape {
 [[nodiscard]] ContactShape contact_shape(double restitution);
 
 /// Steady motions of free masses whose contacts take time, over the free contact's restitution and the angle
-/// tau = omega times its duration.  tau = 0 is the restitution of the hard contact, and everything tends to that in first
-/// order of tau, so that a scene with hard contacts is a scene of contact time 0.
+/// tau = omega times its duration.  tau = 0 is the restitution of the hard contact, and everything tends to that in
+/// first order of tau, so that a scene with hard contacts is a scene of contact time 0.
 class ContactMotions {
  public:
   /// @param restitution  as contact_shape()
@@ -41,10 +41,11 @@ class ContactMotions {
   /// Empty where there is none of two simple contacts.  @param tau  > 0
   [[nodiscard]] std::optional<Symmetric> symmetric(double gamma, double tau, FoundMotions& found) const;
 
-  /// h of the stable orbit of one period, of any contacts, that was found last or that contact at rest leads to.
+  /// h of the stable orbit of one period, of any contacts, that was found last or, from_start, that is beside the
+  /// symmetric one found where that has just lost its stability, or that contact at rest leads to.
   /// @param tau  > 0
   [[nodiscard]] std::optional<std::complex<double>> followed(double gamma, double tau, FoundMotions& found,
-                                                             bool from_rest) const;
+                                                             bool from_start) const;
 
   [[nodiscard]] double restitution() const noexcept { return restitution_; }
 
@@ -60,7 +61,7 @@ class ContactMotions {
 /// h of the symmetric orbit, or of the orbit followed().  Near tau = 0 interpolated from the hard motion.
 /// @param tau  >= 0
 [[nodiscard]] std::optional<std::complex<double>> contact_h(const ContactMotions& motions, double gamma, double tau,
-                                                            bool is_followed, FoundMotions& found, bool from_rest);
+                                                            bool is_followed, FoundMotions& found, bool from_start);
 
 /// The same over a neighbourhood.
 class ContactResponses {

@@ -52,8 +52,8 @@ double coordinate(std::size_t k, const char* what, double value, double time_uni
   return k == 4 ? value / time_unit : k == 3 ? value : std::log(value);
 }
 
-detail::KnownScene known_scene(const detail::SceneData& data,
-                               const std::vector<frac::ParameterConstraint>& constraints, ContactModel contact) {
+detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::ParameterConstraint>& constraints,
+                               ContactModel contact) {
   const double unit = data.time_unit;
   std::vector<double> masses, amplitudes;
   for (const detail::MeasuredPoint& point : data.points) {
@@ -118,9 +118,18 @@ detail::KnownScene known_scene(const detail::SceneData& data,
   return known;
 }
 
-Regime regime_of(const detail::PointChoice& choice, double gamma, double restitution, bool takes_time) {
-  if (takes_time && choice.kind == detail::PointChoice::Kind::two_impact) return Regime::symmetric;
-  if (takes_time && choice.kind == detail::PointChoice::Kind::sticking) return Regime::periodic;
+// Of an estimate whose contact time is free.
+Regime regime_of_contact(const detail::PointChoice& choice, double gamma, const detail::SceneVector& theta) {
+  using Kind = detail::PointChoice::Kind;
+  if (choice.kind == Kind::free) return Regime::free;
+  if (choice.kind == Kind::two_impact) return Regime::symmetric;
+  if (choice.kind == Kind::none) return Regime::averaged;
+  // At contact time 0 what sticks, and the asymmetric orbit of two impacts.
+  const bool sticks = theta[4] == 0 && theta[3] > 0 && gamma > detail::two_impact_loss(theta[3]).gamma;
+  return sticks ? Regime::chatter : Regime::periodic;
+}
+
+Regime regime_of(const detail::PointChoice& choice, double gamma, double restitution) {
   switch (choice.kind) {
     case detail::PointChoice::Kind::two_impact:
       return gamma <= detail::symmetry_breaking_gamma(restitution) ? Regime::symmetric : Regime::periodic;
@@ -138,13 +147,15 @@ void report_points(const detail::SceneData& data, const detail::LocalScene& loca
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const detail::MeasuredPoint& point = data.points[i];
     const detail::PointChoice& choice = local.choices[i];
-    ScenePoint reported{point.curve,
-                        point.index,
-                        point.omega,
-                        detail::status_of(choice),
-                        regime_of(choice, detail::gamma_at(local.theta, point), local.theta[3], local.theta[4] > 0),
-                        Complex(nan, nan),
-                        Complex(nan, nan)};
+    const double gamma = detail::gamma_at(local.theta, point);
+    ScenePoint reported{
+        point.curve,
+        point.index,
+        point.omega,
+        detail::status_of(choice),
+        local.found.empty() ? regime_of(choice, gamma, local.theta[3]) : regime_of_contact(choice, gamma, local.theta),
+        Complex(nan, nan),
+        Complex(nan, nan)};
     if (reported.status != PointStatus::irregular) {
       reported.model = choice.model;
       reported.residual = (choice.model - point.value) / data.deviation(point, choice.model);
@@ -175,13 +186,15 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
 std::string contact_text(const SceneIdentification& result, bool takes_time) {
   using frac::detail::short_text;
   if (result.contact.empty()) {
-    return !takes_time ? "" : " The points used are too few for contacts that take time, and the intervals are those of hard contacts.";
+    return !takes_time ? ""
+                       : " The points used are too few for contacts that take time, and the intervals are those of "
+                         "hard contacts.";
   }
   const SceneEstimate& time = result.contact.front();
   if (time.fixed) return "";
-  if (result.contact_verdict == ContactModel::compliant) {
-    return " The data tell contacts of " + short_text(time.value) + " s from hard ones (twice the log likelihood ratio " +
-           short_text(result.contact_evidence) + ").";
+  if (result.contact_verdict == ContactVerdict::compliant) {
+    return " The data tell contacts of " + short_text(time.value) +
+           " s from hard ones (twice the log likelihood ratio " + short_text(result.contact_evidence) + ").";
   }
   std::string text = " The data do not tell the contact from a hard one, and the intervals hold for both";
   if (std::isfinite(time.ci95_upper)) text += ": it takes at most " + short_text(time.ci95_upper) + " s";
@@ -243,6 +256,18 @@ std::optional<CompliantContact> SceneIdentification::compliant_contact() const {
   return CompliantContact(contact[1].value, contact[2].value);
 }
 
+std::string_view to_string(ContactVerdict verdict) {
+  switch (verdict) {
+    case ContactVerdict::hard:
+      return "hard";
+    case ContactVerdict::compliant:
+      return "compliant";
+    case ContactVerdict::undecided:
+      break;
+  }
+  return "undecided";
+}
+
 std::string_view to_string(ContactModel model) {
   return frac::detail::spelling(contact_spellings, model);
 }
@@ -273,7 +298,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
 
   SceneIdentification result{};
-  result.contact_verdict = options.contact;
+  result.contact_verdict = options.contact == ContactModel::hard ? ContactVerdict::hard : ContactVerdict::undecided;
   result.contact_evidence = nan;
   const bool takes_time = known.bounds.upper[4] > 0;
   if (takes_time) {
@@ -286,6 +311,8 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       known = hard;
     }
   }
+  result.starts = found.starts;
+  result.starts_at_best = found.starts_at_best;
   if (!found.best.usable) {
     result.termination = frac::FitTermination::no_usable_start;
     result.message = "No scene within the limits has steady motions at as many points as there are free parameters.";
@@ -323,16 +350,16 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       // A likelihood ratio alone may come from points that one of the two leaves out.
       const bool is_told = result.contact_evidence > significant_contact * significant_contact &&
                            (result.contact.front().fixed || result.contact.front().ci95_lower > 0);
-      result.contact_verdict = is_told ? ContactModel::compliant : ContactModel::automatic;
+      result.contact_verdict = is_told ? ContactVerdict::compliant : ContactVerdict::undecided;
     }
     // At a limit of one parameter the intervals of the others hold for a scene that has it there.
     const bool is_contact_at_limit =
         result.contact.empty() ? takes_time
                                : result.contact.front().at_bound || (options.contact == ContactModel::compliant &&
                                                                      !(result.contact.front().value > 0));
-    const bool at_limit = is_contact_at_limit ||
-                          std::any_of(result.parameters.begin(), result.parameters.end(),
-                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
+    const bool at_limit =
+        is_contact_at_limit || std::any_of(result.parameters.begin(), result.parameters.end(),
+                                           [](const SceneEstimate& estimate) { return estimate.at_bound; });
     if (!result.misfits.empty() || !found.best.converged || at_limit) {
       for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;

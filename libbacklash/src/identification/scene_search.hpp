@@ -35,8 +35,8 @@ struct SceneSearch {
 
 struct ContactSearch {
   SceneSearch scenes;
-  /// Twice the logarithm of the likelihood of the best scene over that of the best one with hard contacts; infinite where
-  /// there is none.  Points that neither explains say nothing.
+  /// Twice the logarithm of the likelihood of the best scene over that of the best one with hard contacts; infinite
+  /// where there is none.  Points that neither explains say nothing.
   double evidence;
 };
 

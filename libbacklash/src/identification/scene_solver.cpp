@@ -210,7 +210,8 @@ class Solver {
     const double limit = orbit_end * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
     const double onset = motions_ == Motions::all ? chatter_onset(theta_[3]) : std::numeric_limits<double>::infinity();
     const std::optional<ContactMotions> contact = contact_motions(theta_);
-    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, contact ? &*contact : nullptr, limit, orbit_end, onset);
+    for (std::size_t i = 0; i < choices_.size(); ++i)
+      offer_motions(i, coefficients, contact ? &*contact : nullptr, limit, orbit_end, onset);
     use_by_evidence(data_, choices_, bounds_.free_count(), effort_);
   }
 
@@ -448,7 +449,8 @@ void Solver::least_squares() {
 double Solver::way_in_standard_errors(const SceneVector& start, const NormalEquations& end) const {
   double square = 0;
   for (std::size_t k = 0; k < scene_size; ++k) {
-    for (std::size_t l = 0; l < scene_size; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
+    for (std::size_t l = 0; l < scene_size; ++l)
+      square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, end.residuals));
   const double accuracy = 1e-9 * data_.typical_misfit;

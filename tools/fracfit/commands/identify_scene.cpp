@@ -62,7 +62,8 @@ class IdentifyScene : public Command {
         .not_with({"--drive-receptance"}, "which knows hard contacts only");
     add_open_receptances(o, load_, drive_);
     o.texts("--fix", given_.fix,
-            "of mass1, mass2, clearance, restitution and contact_time, or of names in the receptances; x1 needs a mass or the "
+            "of mass1, mass2, clearance, restitution and contact_time, or of names in the receptances; x1 needs a mass "
+            "or the "
             "clearance");
     o.texts("--bound", given_.bound);
     o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");

@@ -66,10 +66,11 @@ void describe(Result& result, const Visit& visit) {
     visit("contact", "", "time, stiffness, damping and restitution of a free contact, see scene-estimate",
           result.contact);
     visit("contact_verdict", "",
-          "compliant where the data tell contacts from hard ones, auto where they do not, hard where that was asked for",
+          "compliant where the data tell contacts from hard ones, else undecided; hard where that was asked for",
           result.contact_verdict);
     visit("contact_evidence", "1",
-          "twice the logarithm of the likelihood ratio of contacts that take time over hard ones", result.contact_evidence);
+          "twice the logarithm of the likelihood ratio of contacts that take time over hard ones",
+          result.contact_evidence);
     visit("free_directions", "", "what the data leave free, a sentence each", result.free_directions);
   }
   visit("misfits", "", "how the data contradict the scene, a sentence each", result.misfits);
