@@ -230,7 +230,8 @@ TEST(SceneIdentification, X1DeterminesTheSumOfTheMassesOnly) {
   EXPECT_TRUE(std::isnan(result.parameters[2].standard_error));
   EXPECT_TRUE(result.parameters[3].identified);
   EXPECT_EQ(result.free_directions.size(), 1u);
-  EXPECT_EQ(result.free_parameters, 3u);
+  // M1 + M2, M2 times the clearance, restitution and contact time.
+  EXPECT_EQ(result.free_parameters, 4u);
   const auto& [total, product, ratio] = result.combinations;
   EXPECT_NEAR(total.value, 2.3, 5 * total.standard_error);
   EXPECT_NEAR(product.value, 0.24, 5 * product.standard_error);
@@ -446,15 +447,16 @@ TEST(SceneComparison, TellsTheTwoMassesFromTheirRivals) {
   const auto comparison = backlash::compare_explanations(curves, options, identification, models);
   ASSERT_EQ(comparison.ranking.size(), 4u);
   EXPECT_EQ(comparison.ranking.front().explanation, backlash::Explanation::two_masses) << comparison.sentence;
-  EXPECT_EQ(comparison.ranking.front().free_parameters, 3u);
+  EXPECT_EQ(comparison.ranking.front().free_parameters, 4u);
   EXPECT_GT(comparison.ranking[1].delta_aicc, 10);
   EXPECT_EQ(comparison.residuals, 300u);
   for (const auto& fit : comparison.ranking) {
-    // Three parameters of the fractional structure, two of the other, at each of five forces; mass and clearance.
+    // Three parameters of the fractional structure, two of the other, at each of five forces; mass and clearance; those
+    // and restitution and contact time.
     const std::size_t expected = fit.explanation == backlash::Explanation::fractional        ? 15
                                  : fit.explanation == backlash::Explanation::integer_order   ? 10
                                  : fit.explanation == backlash::Explanation::static_backlash ? 2
-                                                                                             : 3;
+                                                                                             : 4;
     EXPECT_EQ(fit.free_parameters, expected) << fit.name;
   }
   expect_invalid_argument([&] { return backlash::compare_explanations({curves[0]}, options, identification, models); },

@@ -92,6 +92,8 @@ Case random_case(support::Random& random, Kind kind) {
             {},
             {}};
   made.options.threads = 1;
+  // Rates with contacts that take time: contact_identification_rates.
+  made.options.contact = backlash::ContactModel::hard;
   const std::size_t forces = kind == Kind::misled ? 2 + random.below(3) : 1 + random.below(4);
   // In units of sqrt(F/(mass2 clearance)).
   const double symmetric = 1 / std::sqrt(backlash::detail::symmetry_breaking_gamma(made.system.restitution()));

@@ -494,6 +494,23 @@ def test_scene_of_the_command_line():
         assert abs(each["value"] - truth) <= 5 * each["standard_error"]
     with pytest.raises(ValueError, match="entries"):
         fracfit.identify_scene(curves, [20])
+    with pytest.raises(ValueError, match="soft"):
+        fracfit.identify_scene(curves, [20, 40], contact="soft")
+
+
+def test_contacts_that_take_time():
+    contact = fracfit.contact_of_frequency(150, restitution=0.5)
+    curves = [
+        fracfit.describing_function(np.linspace(*band, 12), force=force, clearance=0.3, **contact).data()
+        for force, band in ((10, (12.8, 18)), (40, (25.6, 36)))
+    ]
+    result = fracfit.identify_scene(curves, [10, 40], fixed={"mass1": 1})
+    assert result.contact_verdict == "compliant"
+    # Exact data.
+    assert result["contact_stiffness"] == pytest.approx(0.5 * 150**2, rel=1e-5)
+    assert result["restitution"] == pytest.approx(0.5, rel=1e-5)
+    hard = fracfit.identify_scene(curves, [10, 40], fixed={"mass1": 1}, contact="hard")
+    assert hard.contact == [] and hard.rms > 1e3 * result.rms
 
 
 def test_circuit_in_the_manner_of_impedance_py():

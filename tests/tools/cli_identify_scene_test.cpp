@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -138,6 +139,58 @@ TEST_F(IdentifyScene, SaysThatValuesWithoutAUnitAreTakenAsMetresPerNewton) {
   }
   const auto told = run_fracfit({"identify-scene", weak, "--fix", "m1=2"});
   EXPECT_EQ(told.error.find("taken as"), std::string::npos) << told.error;
+}
+
+// Contacts of restitution 0.5 that ring at 12 and 5 times the frequency of the forces.
+TEST_F(IdentifyScene, FindsTheTimeOfContacts) {
+  std::vector<std::string> files;
+  for (const std::string force : {"10", "50"}) {
+    files.push_back(folder.path("soft" + force + ".csv"));
+    const auto result = run_fracfit({"simulate", "--force", force, "--clearance", "0.3", "--contact-frequency", "150",
+                                     "--contact-restitution", "0.5", "--mass1", "2", "--mass2", "1", "--omega",
+                                     force == "10" ? "10.5:15:12" : "23.5:33.5:12", "--out", files.back()});
+    ASSERT_EQ(result.code, 0) << result.error;
+  }
+  const auto json_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"identify-scene", files[0], files[1], "--fix", "mass1=2", "--format", "json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Json::parse(run_fracfit(arguments).output);
+  };
+  const auto json = json_of({});
+  EXPECT_EQ(json["options"]["contact"], "auto");
+  EXPECT_EQ(json["contact_verdict"], "compliant");
+  // simulate says what it made of the frequency and the restitution; the files hold every digit, the estimate is asked
+  // to 1e-5 of them.
+  std::ostringstream file;
+  file << std::ifstream(files[0]).rdbuf();
+  const auto said = [&](const std::string& key) {
+    const std::string line = "# " + key + ": ";
+    return std::stod(file.str().substr(file.str().find(line) + line.size()));
+  };
+  const std::vector<std::pair<std::string, double>> truth{{"contact_time", said("contact_time_s")},
+                                                          {"contact_stiffness", said("contact_stiffness_n_m")},
+                                                          {"contact_damping", said("contact_damping_n_s_m")},
+                                                          {"contact_restitution", 0.5}};
+  EXPECT_NEAR(truth[1].second, 2.0 / 3 * 150 * 150, 1e-9);
+  ASSERT_EQ(json["contact"].size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_EQ(json["contact"][i]["name"], truth[i].first);
+    EXPECT_NEAR(json["contact"][i]["value"], truth[i].second, 1e-5 * truth[i].second) << truth[i].first;
+    EXPECT_EQ(json["contact"][i]["identified"], true);
+  }
+  EXPECT_NEAR(json["parameters"][2]["value"], 0.3, 0.3e-5);
+  // Taken for hard ones, exact data leave residuals.
+  const auto hard = json_of({"--contact", "hard"});
+  EXPECT_TRUE(hard["contact"].empty());
+  EXPECT_EQ(hard["contact_verdict"], "hard");
+  EXPECT_GT(hard["rms"], 1e3 * json["rms"].get<double>());
+  const auto table = run_fracfit({"identify-scene", files[0], files[1], "--fix", "mass1=2", "--format", "table"});
+  EXPECT_NE(table.output.find("contact_stiffness"), std::string::npos) << table.output;
+  const auto refused = run_fracfit({"identify-scene", files[0], "--contact", "soft"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("auto"), std::string::npos) << refused.error;
+  EXPECT_EQ(run_fracfit({"identify-scene", files[0], "--contact", "hard", "--fix", "contact_time=0.01"}).code, 2);
+  EXPECT_EQ(run_fracfit({"identify-scene", files[0], "--contact", "auto", "--load-receptance", "1/(m1 s^2)"}).code, 2);
 }
 
 TEST_F(IdentifyScene, RefusesWrongInput) {

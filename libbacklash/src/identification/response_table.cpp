@@ -165,7 +165,7 @@ std::optional<GapResponse> rough_sticking_response(double gamma, double restitut
   if (!here || !weaker || !stronger) return std::nullopt;
   const auto mixed = [&](const std::array<Complex, 2>& h) { return (1 - share) * h[0] + share * h[1]; };
   return GapResponse{mixed(*here), (mixed(*stronger) - mixed(*weaker)) / log_gamma_step,
-                     ((*here)[1] - (*here)[0]) / width};
+                     ((*here)[1] - (*here)[0]) / width, 0};
 }
 
 }  // namespace backlash::detail

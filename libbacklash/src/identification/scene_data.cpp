@@ -44,7 +44,7 @@ void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const S
 }
 
 SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
-  SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0};
+  SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0, 0};
   std::vector<double> sizes;
   for (std::size_t curve = 0; curve < curves.size(); ++curve) {
     data.curve_begin.push_back(data.points.size());
@@ -59,12 +59,14 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   data.curve_begin.push_back(data.points.size());
   if (sizes.empty()) throw std::invalid_argument("all data are zero; nothing moves, so nothing can be identified");
   data.typical = frac::detail::median(sizes);
-  std::vector<double> misfits;
+  std::vector<double> omegas, misfits;
   for (const MeasuredPoint& point : data.points) {
+    omegas.push_back(point.omega);
     const double deviation = data.deviation(point, point.value);
     if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
   }
   data.typical_misfit = frac::detail::median(misfits);
+  data.time_unit = 1 / frac::detail::median(omegas);
   return data;
 }
 

@@ -141,8 +141,11 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
       // The motion that the point lies off is none the nearer for being found again.
       if (compared.kind != PointChoice::Kind::none && std::abs(other.model - compared.model) <= same_motion * size)
         continue;
+      // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their
+      // angle.
       other.accuracy =
-          std::hypot(motion.closes ? 0 : long_mean_accuracy, deviation * data.deviation(point, other.model) / size);
+          std::hypot(motion.closes ? 0 : long_mean_accuracy, deviation * data.deviation(point, other.model) / size,
+                     contact_angle(local.theta, data, point));
       const double price = price_left_out(data, other, i);
       if (!(price < least)) continue;
       least = price;

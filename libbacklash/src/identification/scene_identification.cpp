@@ -5,12 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "base/check.hpp"
 #include "base/counted.hpp"
 #include "base/median.hpp"
 #include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "scene_adequacy.hpp"
 #include "scene_data.hpp"
 #include "scene_search.hpp"
@@ -24,26 +27,34 @@ using detail::SceneVector;
 using Complex = std::complex<double>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
+constexpr std::array<std::string_view, detail::scene_size> parameter_names = {"mass1", "mass2", "clearance",
+                                                                              "restitution", "contact_time"};
+constexpr frac::detail::Spellings<ContactModel, 3> contact_spellings = {
+    {{ContactModel::hard, "hard"}, {ContactModel::compliant, "compliant"}, {ContactModel::automatic, "auto"}}};
+// Standard deviations that chance exceeds on one side once in a thousand.
+constexpr double significant_contact = 3.09;
 
 // Factor by which masses and clearance may differ from what the data suggest.
 const double default_range = std::log(1e6);
 std::string allowed_range(std::size_t k) {
-  return k == 3 ? "in [0, 1]" : "positive and finite";
+  return k == 4 ? "0 or greater and finite" : k == 3 ? "in [0, 1]" : "positive and finite";
 }
 
 // A value the user gives for a parameter, as a coordinate of the search.
-double coordinate(std::size_t k, const char* what, double value) {
-  const bool allowed = k == 3 ? value >= 0 && value <= 1 : value > 0 && std::isfinite(value);
+double coordinate(std::size_t k, const char* what, double value, double time_unit) {
+  const bool allowed = k == 4   ? value >= 0 && std::isfinite(value)
+                       : k == 3 ? value >= 0 && value <= 1
+                                : value > 0 && std::isfinite(value);
   if (!allowed) {
     throw std::invalid_argument(std::string(parameter_names[k]) + ": " + what + " is " + detail::text(value) +
                                 "; it must be " + allowed_range(k));
   }
-  return k == 3 ? value : std::log(value);
+  return k == 4 ? value / time_unit : k == 3 ? value : std::log(value);
 }
 
-detail::KnownScene known_scene(const detail::SceneData& data,
-                               const std::vector<frac::ParameterConstraint>& constraints) {
+detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::ParameterConstraint>& constraints,
+                               ContactModel contact) {
+  const double unit = data.time_unit;
   std::vector<double> masses, amplitudes;
   for (const detail::MeasuredPoint& point : data.points) {
     const double size = std::abs(point.value);
@@ -54,36 +65,39 @@ detail::KnownScene known_scene(const detail::SceneData& data,
   const double mass = frac::detail::median(masses);
   const double amplitude = frac::detail::median(amplitudes);
   detail::KnownScene known{};
-  known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0};
-  known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1};
-  std::array<bool, 4> seen{};
+  known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0, 0};
+  known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1,
+                        contact == ContactModel::hard ? 0 : std::numbers::pi};
+  std::array<bool, detail::scene_size> seen{};
   for (const frac::ParameterConstraint& constraint : constraints) {
     const auto name = std::find(parameter_names.begin(), parameter_names.end(), constraint.name);
     if (name == parameter_names.end()) {
       throw std::invalid_argument("constraint of '" + constraint.name +
-                                  "': the scene has mass1, mass2, clearance and restitution only");
+                                  "': the scene has mass1, mass2, clearance, restitution and contact_time only");
     }
     const auto k = static_cast<std::size_t>(name - parameter_names.begin());
+    if (k == 4 && contact == ContactModel::hard)
+      throw std::invalid_argument("contact_time is constrained, but the contact is hard, which is contact time 0");
     if (seen[k]) throw std::invalid_argument(constraint.name + " is constrained twice");
     seen[k] = true;
     if (constraint.fixed) {
       if (constraint.lower || constraint.upper || constraint.start) {
         throw std::invalid_argument(constraint.name + " is fixed; limits or a start beside that have no meaning");
       }
-      known.fixed[k] = *constraint.fixed;
-      known.bounds.lower[k] = known.bounds.upper[k] = coordinate(k, "the fixed value", *constraint.fixed);
+      if (k < known.fixed.size()) known.fixed[k] = *constraint.fixed;
+      known.bounds.lower[k] = known.bounds.upper[k] = coordinate(k, "the fixed value", *constraint.fixed, unit);
       continue;
     }
     if (constraint.lower) {
-      known.bounds.lower[k] = coordinate(k, "the lower limit", *constraint.lower);
+      known.bounds.lower[k] = coordinate(k, "the lower limit", *constraint.lower, unit);
       if (!constraint.upper) known.bounds.upper[k] = std::max(known.bounds.upper[k], known.bounds.lower[k] + 1);
     }
     if (constraint.upper) {
-      known.bounds.upper[k] = coordinate(k, "the upper limit", *constraint.upper);
+      known.bounds.upper[k] = coordinate(k, "the upper limit", *constraint.upper, unit);
       if (!constraint.lower) known.bounds.lower[k] = std::min(known.bounds.lower[k], known.bounds.upper[k] - 1);
     }
+    if (k >= 3) known.bounds.lower[k] = std::max(known.bounds.lower[k], 0.0);
     if (k == 3) {
-      known.bounds.lower[k] = std::max(known.bounds.lower[k], 0.0);
       known.bounds.upper[k] = std::min(known.bounds.upper[k], 1.0);
     }
     if (!known.bounds.is_free(k)) {
@@ -93,15 +107,26 @@ detail::KnownScene known_scene(const detail::SceneData& data,
                                   (constraint.upper ? detail::text(*constraint.upper) : std::string("by default")));
     }
     if (constraint.start) {
-      const double start = coordinate(k, "the start", *constraint.start);
+      const double start = coordinate(k, "the start", *constraint.start, unit);
       if (start < known.bounds.lower[k] || start > known.bounds.upper[k]) {
         throw std::invalid_argument(constraint.name + ": the start " + detail::text(*constraint.start) +
                                     " lies outside the limits");
       }
-      known.start[k] = start;
+      if (k < known.start.size()) known.start[k] = start;
     }
   }
   return known;
+}
+
+// Of an estimate whose contact time is free.
+Regime regime_of_contact(const detail::PointChoice& choice, double gamma, const detail::SceneVector& theta) {
+  using Kind = detail::PointChoice::Kind;
+  if (choice.kind == Kind::free) return Regime::free;
+  if (choice.kind == Kind::two_impact) return Regime::symmetric;
+  if (choice.kind == Kind::none) return Regime::averaged;
+  // At contact time 0 what sticks, and the asymmetric orbit of two impacts.
+  const bool sticks = theta[4] == 0 && theta[3] > 0 && gamma > detail::two_impact_loss(theta[3]).gamma;
+  return sticks ? Regime::chatter : Regime::periodic;
 }
 
 Regime regime_of(const detail::PointChoice& choice, double gamma, double restitution) {
@@ -122,13 +147,15 @@ void report_points(const detail::SceneData& data, const detail::LocalScene& loca
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const detail::MeasuredPoint& point = data.points[i];
     const detail::PointChoice& choice = local.choices[i];
-    ScenePoint reported{point.curve,
-                        point.index,
-                        point.omega,
-                        detail::status_of(choice),
-                        regime_of(choice, detail::gamma_at(local.theta, point), local.theta[3]),
-                        Complex(nan, nan),
-                        Complex(nan, nan)};
+    const double gamma = detail::gamma_at(local.theta, point);
+    ScenePoint reported{
+        point.curve,
+        point.index,
+        point.omega,
+        detail::status_of(choice),
+        local.found.empty() ? regime_of(choice, gamma, local.theta[3]) : regime_of_contact(choice, gamma, local.theta),
+        Complex(nan, nan),
+        Complex(nan, nan)};
     if (reported.status != PointStatus::irregular) {
       reported.model = choice.model;
       reported.residual = (choice.model - point.value) / data.deviation(point, choice.model);
@@ -151,9 +178,30 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   for (std::size_t c = 0; c < rival.combinations.size(); ++c) {
     detail::stretch_over(rival.combinations[c], estimate.combinations[c]);
   }
+  for (std::size_t c = 0; c < std::min(rival.contact.size(), estimate.contact.size()); ++c) {
+    detail::stretch_over(rival.contact[c], estimate.contact[c]);
+  }
 }
 
-std::string message_of(const SceneIdentification& result) {
+std::string contact_text(const SceneIdentification& result, bool takes_time) {
+  using frac::detail::short_text;
+  if (result.contact.empty()) {
+    return !takes_time ? ""
+                       : " The points used are too few for contacts that take time, and the intervals are those of "
+                         "hard contacts.";
+  }
+  const SceneEstimate& time = result.contact.front();
+  if (time.fixed) return "";
+  if (result.contact_verdict == ContactVerdict::compliant) {
+    return " The data tell contacts of " + short_text(time.value) +
+           " s from hard ones (twice the log likelihood ratio " + short_text(result.contact_evidence) + ").";
+  }
+  std::string text = " The data do not tell the contact from a hard one, and the intervals hold for both";
+  if (std::isfinite(time.ci95_upper)) text += ": it takes at most " + short_text(time.ci95_upper) + " s";
+  return text + ".";
+}
+
+std::string message_of(const SceneIdentification& result, bool takes_time) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
     if (parameter.fixed) continue;
@@ -172,6 +220,7 @@ std::string message_of(const SceneIdentification& result) {
             frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
+  text += contact_text(result, takes_time);
   if (!result.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
   }
@@ -202,21 +251,66 @@ TwoMassSystem SceneIdentification::system() const {
   return {parameters[0].value, parameters[1].value, parameters[2].value, parameters[3].value};
 }
 
+std::optional<CompliantContact> SceneIdentification::compliant_contact() const {
+  if (contact.empty() || !(contact[0].value > 0) || !std::isfinite(contact[1].value)) return std::nullopt;
+  return CompliantContact(contact[1].value, contact[2].value);
+}
+
+std::string_view to_string(ContactVerdict verdict) {
+  switch (verdict) {
+    case ContactVerdict::hard:
+      return "hard";
+    case ContactVerdict::compliant:
+      return "compliant";
+    case ContactVerdict::undecided:
+      break;
+  }
+  return "undecided";
+}
+
+std::string_view to_string(ContactModel model) {
+  return frac::detail::spelling(contact_spellings, model);
+}
+
+std::span<const ContactModel> contact_models() {
+  static constexpr auto all = frac::detail::enumerators(contact_spellings);
+  return all;
+}
+
+ContactModel contact_model_from_string(std::string_view text) {
+  return frac::detail::from_spelling(contact_spellings, "contact", text);
+}
+
 SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
                                    const SceneIdentificationOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   detail::check_curves(curves, options);
   const detail::SceneData data = detail::scene_data(curves, options);
-  const detail::KnownScene known = known_scene(data, options.constraints);
+  detail::KnownScene known = known_scene(data, options.constraints, options.contact);
+  detail::KnownScene hard = known;
+  hard.bounds.lower[4] = hard.bounds.upper[4] = 0;
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < known.bounds.free_count()) {
+  if (residuals < hard.bounds.free_count()) {
     throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
-                                std::to_string(known.bounds.free_count()) + " free parameters");
+                                std::to_string(hard.bounds.free_count()) + " free parameters");
   }
   const std::vector<double> jumps = detail::products_from_jumps(curves);
-  const detail::SceneSearch found = detail::search_scene(data, known, jumps, options.threads);
+  detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
 
   SceneIdentification result{};
+  result.contact_verdict = options.contact == ContactModel::hard ? ContactVerdict::hard : ContactVerdict::undecided;
+  result.contact_evidence = nan;
+  const bool takes_time = known.bounds.upper[4] > 0;
+  if (takes_time) {
+    detail::ContactSearch freed = detail::search_contact(data, known, found, options.threads);
+    if (freed.scenes.best.usable || !found.best.usable) {
+      found = std::move(freed.scenes);
+      result.contact_evidence = freed.evidence;
+    } else {
+      // Hard contacts then, of which nothing is stated.
+      known = hard;
+    }
+  }
   result.starts = found.starts;
   result.starts_at_best = found.starts_at_best;
   if (!found.best.usable) {
@@ -231,31 +325,45 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     for (SceneEstimate& combination : result.combinations)
       combination = {"", "", nan, nan, nan, nan, false, false, false};
   } else {
-    const detail::NormalEquations equations = detail::normal_equations(data, found.best.theta, found.best.choices);
+    const detail::NormalEquations equations = detail::normal_equations(data, found.best);
     const detail::SceneAdequacy adequacy = detail::scene_adequacy(data, found.best.choices, known.bounds.free_count());
     result.misfits = adequacy.misfits;
     result.residual_correlation = adequacy.correlation;
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     detail::SceneUncertainty uncertainty =
-        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening);
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data.time_unit);
     for (const detail::LocalScene& rival : found.rivals) {
-      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival.theta, rival.choices), known.bounds,
-                                             rival.theta, widening),
+      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening,
+                                             data.time_unit),
                    uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
+           rival.theta[4] * data.time_unit,
            std::exp(0.5 * (rival.deviance - found.best.deviance))});
     }
     result.misfits.insert(result.misfits.end(), uncertainty.strained.begin(), uncertainty.strained.end());
     result.parameters = uncertainty.parameters;
     result.combinations = uncertainty.combinations;
+    result.contact = uncertainty.contact;
+    if (!result.contact.empty()) {
+      // A likelihood ratio alone may come from points that one of the two leaves out.
+      const bool is_told = result.contact_evidence > significant_contact * significant_contact &&
+                           (result.contact.front().fixed || result.contact.front().ci95_lower > 0);
+      result.contact_verdict = is_told ? ContactVerdict::compliant : ContactVerdict::undecided;
+    }
     // At a limit of one parameter the intervals of the others hold for a scene that has it there.
-    const bool at_limit = std::any_of(result.parameters.begin(), result.parameters.end(),
-                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
+    const bool is_contact_at_limit =
+        result.contact.empty() ? takes_time
+                               : result.contact.front().at_bound || (options.contact == ContactModel::compliant &&
+                                                                     !(result.contact.front().value > 0));
+    const bool at_limit =
+        is_contact_at_limit || std::any_of(result.parameters.begin(), result.parameters.end(),
+                                           [](const SceneEstimate& estimate) { return estimate.at_bound; });
     if (!result.misfits.empty() || !found.best.converged || at_limit) {
       for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;
+      for (SceneEstimate& estimate : result.contact) estimate.identified = estimate.fixed;
     }
     result.free_directions = uncertainty.free_directions;
     result.covariance = uncertainty.covariance;
@@ -273,7 +381,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residuals = equations.residuals;
     result.rms = std::sqrt(equations.cost / static_cast<double>(equations.residuals));
     result.termination = found.best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
-    result.message = message_of(result);
+    result.message = message_of(result, takes_time);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

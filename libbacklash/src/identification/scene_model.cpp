@@ -81,7 +81,11 @@ Complex point_value(const OutputCoefficients& coefficients, const MeasuredPoint&
   return (coefficients.rigid + coefficients.moving * h) / (point.omega * point.omega);
 }
 
-PointGradient point_gradient(const OutputCoefficients& coefficients, const MeasuredPoint& point,
+double contact_angle(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+  return theta[4] * data.time_unit * point.omega;
+}
+
+PointGradient point_gradient(const OutputCoefficients& coefficients, const SceneData& data, const MeasuredPoint& point,
                              const GapResponse& response) {
   const double scale = 1 / (point.omega * point.omega);
   const Complex by_log_gamma = scale * coefficients.moving * response.by_log_gamma;
@@ -90,7 +94,7 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Measu
   };
   return {
       point_value(coefficients, point, response.h),
-      {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution}};
+      {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution, scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
 }
 
 }  // namespace backlash::detail

@@ -12,8 +12,10 @@
 
 namespace backlash::detail {
 
-/// ln mass1, ln mass2, ln clearance, restitution.
-using SceneVector = std::array<double, 4>;
+/// ln mass1, ln mass2, ln clearance, restitution, and the time of a free contact in units of SceneData::time_unit, 0 of
+/// hard ones.
+constexpr std::size_t scene_size = 5;
+using SceneVector = std::array<double, scene_size>;
 
 struct MeasuredPoint {
   std::size_t curve, index;
@@ -31,6 +33,7 @@ struct SceneData {
   frac::Weight weight;
   double typical;         // median |value|
   double typical_misfit;  // median of |value| over its deviation
+  double time_unit;       // s, 1 over the median omega
 
   [[nodiscard]] std::size_t residuals_per_point() const { return component == frac::Component::both ? 2 : 1; }
   /// The parts of a complex number that form residuals; the second one is 0 when there is only one.
@@ -55,10 +58,13 @@ struct OutputCoefficients {
 
 struct PointGradient {
   std::complex<double> value;
-  std::array<std::complex<double>, 4> gradient;
+  std::array<std::complex<double>, scene_size> gradient;
 };
-[[nodiscard]] PointGradient point_gradient(const OutputCoefficients& coefficients, const MeasuredPoint& point,
-                                           const GapResponse& response);
+/// omega times the time of a free contact.
+[[nodiscard]] double contact_angle(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point);
+
+[[nodiscard]] PointGradient point_gradient(const OutputCoefficients& coefficients, const SceneData& data,
+                                           const MeasuredPoint& point, const GapResponse& response);
 [[nodiscard]] std::complex<double> point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point,
                                                std::complex<double> h);
 

@@ -103,7 +103,7 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution)
   const auto response = gamma <= symmetry_breaking_gamma(restitution) ? symmetric_response(gamma, kappa)
                                                                       : asymmetric_response(gamma, kappa);
   if (!response) return std::nullopt;
-  return GapResponse{response->h, response->by_log_gamma, response->by_loss * kappa_by_restitution};
+  return GapResponse{response->h, response->by_log_gamma, response->by_loss * kappa_by_restitution, 0};
 }
 
 std::optional<Complex> sticking_h(double gamma, double restitution) {
@@ -122,7 +122,7 @@ std::optional<GapResponse> sticking_response(double gamma, double restitution) {
   const auto stronger = sticking_h(gamma * std::exp(difference_step), restitution);
   const auto beside = sticking_h(gamma, restitution + step);
   if (!here || !stronger || !beside) return std::nullopt;
-  return GapResponse{*here, (*stronger - *here) / difference_step, (*beside - *here) / step};
+  return GapResponse{*here, (*stronger - *here) / difference_step, (*beside - *here) / step, 0};
 }
 
 std::vector<StartedMotion> motions_of_starts(double gamma, double restitution) {

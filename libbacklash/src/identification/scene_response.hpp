@@ -15,6 +15,7 @@ struct GapResponse {
   std::complex<double> h;
   std::complex<double> by_log_gamma;
   std::complex<double> by_restitution;
+  std::complex<double> by_contact;  // omega times the time of a free contact; 0 where contacts are hard
 };
 
 /// The orbit of two impacts per period, symmetric up to symmetry_breaking_gamma and asymmetric above, whether stable or

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "frac/parallel_for.hpp"
 #include "scene_adequacy.hpp"
@@ -44,7 +45,7 @@ constexpr double same_place = 0.01;
 
 bool agree(const LocalScene& one, const LocalScene& other, double within) {
   return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < within &&
-         std::abs(one.theta[3] - other.theta[3]) < within;
+         std::abs(one.theta[3] - other.theta[3]) < within && std::abs(one.theta[4] - other.theta[4]) < within;
 }
 
 bool better(const LocalScene& one, const LocalScene& other) {
@@ -204,6 +205,90 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
                std::none_of(result.rivals.begin(), result.rivals.end(),
                             [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
       result.rivals.push_back(local);
+    }
+  }
+  return result;
+}
+
+namespace {
+
+// Contact times, in units of 1/omega, from which longer contacts are looked for: .01, .03 and .1 of a period.
+constexpr std::array<double, 3> contact_times = {0.06, 0.2, 0.6};
+constexpr std::size_t starts_of_contact_time = 12;
+constexpr std::size_t contacts_pursued = 3;
+constexpr std::size_t longer_pursued = 2;
+
+// See ContactSearch::evidence.
+double evidence_over(const SceneData& data, LocalScene hard, LocalScene compliant, std::size_t parameters) {
+  using Kind = PointChoice::Kind;
+  for (std::size_t i = 0; i < hard.choices.size(); ++i) {
+    if (hard.choices[i].kind == Kind::none && compliant.choices[i].kind == Kind::none)
+      compliant.choices[i] = hard.choices[i];
+  }
+  const auto deviance = [&](const LocalScene& scene) {
+    return scene_evidence(data, scene.choices, parameters, Effort::settle).deviance;
+  };
+  return deviance(hard) - deviance(compliant);
+}
+
+// The places at which orbits of two longer contacts, in closed form, explain the data best.
+std::vector<SceneVector> longer_contacts(const SceneData& data, const KnownScene& known, SceneSearcher& searcher,
+                                         const std::vector<SceneVector>& beside) {
+  std::vector<SceneVector> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
+  if (places.empty()) places = scene_starts(data, known.bounds, known.fixed, {}, false, starts_of_contact_time);
+  std::vector<SceneVector> starts;
+  for (const double time : contact_times) {
+    for (SceneVector place : places) {
+      place[4] = std::clamp(time, known.bounds.lower[4], known.bounds.upper[4]);
+      starts.push_back(place);
+    }
+  }
+  starts.insert(starts.end(), beside.begin(), beside.end());
+  std::vector<SceneVector> found;
+  std::vector<LocalScene> taken;
+  for (LocalScene& local : searcher.solve(starts, Effort::settle, Motions::two_impact)) {
+    if (found.size() == longer_pursued) break;
+    if (std::any_of(taken.begin(), taken.end(), [&](const auto& other) { return agree(local, other, same_place); }))
+      continue;
+    found.push_back(local.theta);
+    taken.push_back(std::move(local));
+  }
+  return found;
+}
+
+}  // namespace
+
+ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard, int threads) {
+  ContactSearch result{{}, std::numeric_limits<double>::infinity()};
+  SceneSearcher searcher(data, known, threads);
+  std::vector<SceneVector> starts;
+  if (hard.best.usable) {
+    starts.push_back(hard.best.theta);
+    for (const LocalScene& rival : hard.rivals)
+      if (starts.size() < contacts_pursued) starts.push_back(rival.theta);
+  }
+  for (SceneVector& start : starts) start[4] = std::clamp(start[4], known.bounds.lower[4], known.bounds.upper[4]);
+  std::vector<LocalScene> settled = searcher.solve(starts, Effort::settle, Motions::all);
+  if (known.bounds.is_free(4) && (settled.empty() || !complete(data, known.bounds, settled.front()))) {
+    searcher.settle_too(longer_contacts(data, known, searcher, starts), settled);
+  }
+  result.scenes.starts = hard.starts + starts.size() + searcher.starts();
+  if (settled.empty()) return result;
+  searcher.explain(settled);
+  result.scenes.best = settled.front();
+  if (hard.best.usable) {
+    KnownScene hard_scene = known;
+    hard_scene.bounds.lower[4] = hard_scene.bounds.upper[4] = 0;
+    const LocalScene best = solve_scene(data, hard_scene.bounds, hard.best.theta, Effort::settle, Motions::all);
+    result.evidence = evidence_over(data, best, result.scenes.best, known.bounds.free_count());
+  }
+  for (const LocalScene& local : settled) {
+    if (agree(local, result.scenes.best, same_estimate)) {
+      ++result.scenes.starts_at_best;
+    } else if (local.deviance < result.scenes.best.deviance + rival_deviance &&
+               std::none_of(result.scenes.rivals.begin(), result.scenes.rivals.end(),
+                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
+      result.scenes.rivals.push_back(local);
     }
   }
   return result;

@@ -33,4 +33,18 @@ struct SceneSearch {
 [[nodiscard]] SceneSearch search_scene(const SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
                                        int threads);
 
+struct ContactSearch {
+  SceneSearch scenes;
+  /// Twice the logarithm of the likelihood of the best scene over that of the best one with hard contacts; infinite
+  /// where there is none.  Points that neither explains say nothing.
+  double evidence;
+};
+
+/// Frees the time of a contact: from scenes with hard contacts and, where these do not describe the data, from longer
+/// contacts.
+/// @param known  with limits of the contact time
+/// @param hard  what search_scene() found
+[[nodiscard]] ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard,
+                                           int threads);
+
 }  // namespace backlash::detail

@@ -18,11 +18,14 @@ namespace backlash::detail {
 namespace {
 
 using Complex = std::complex<double>;
-using Matrix4 = Eigen::Matrix<double, 4, 4>;
-using Vector4 = Eigen::Matrix<double, 4, 1>;
+constexpr auto size = static_cast<int>(scene_size);
+using SceneMatrix = Eigen::Matrix<double, size, size>;
+using SceneStep = Eigen::Matrix<double, size, 1>;
 
 constexpr int most_rounds = 20;
 constexpr int most_iterations = 12;
+// Many steps are refused where one of many motions ends nearby, until the point is left out.
+constexpr int most_iterations_with_contacts = 40;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // A round that moves the estimate by less than this, in standard errors, is the last.
@@ -32,6 +35,10 @@ constexpr double settled_step = 1e-4;
 constexpr double beyond_loss = 1.1;
 constexpr int rounds_beyond_loss = 3;
 constexpr double about_the_orbit = 1.25;
+// Likewise, of contacts that take time: largest multiplier of their symmetric orbit.
+constexpr double multiplier_beyond_loss = 2;
+// A motion that led to no orbit of one period this often is left alone.
+constexpr int most_failures = 2;
 double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
@@ -51,13 +58,19 @@ struct Evaluation {
 class Solver {
  public:
   Solver(const SceneData& data, const SceneBounds& bounds, Motions motions)
-      : data_(data), bounds_(bounds), motions_(motions), choices_(data.points.size()) {}
+      : data_(data),
+        bounds_(bounds),
+        motions_(motions),
+        choices_(data.points.size()),
+        found_(bounds.upper[4] > 0 ? data.points.size() : 0) {}
 
   LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
     theta_ = start;
     effort_ = effort;
-    iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
+    iterations_ = effort == Effort::glance ? iterations_of_a_glance
+                  : contacts_take_time()   ? most_iterations_with_contacts
+                                           : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
     for (int round = 0; round < rounds; ++round) {
       const std::vector<PointChoice> before = choices_;
@@ -65,7 +78,8 @@ class Solver {
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
       if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
-        result.converged = least_squares_converged_;
+        // Where contacts take time a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
+        result.converged = least_squares_converged_ || contacts_take_time();
         break;
       }
       least_squares();
@@ -75,6 +89,7 @@ class Solver {
     result.theta = theta_;
     result.deviance = scene_evidence(data_, choices_, bounds_.free_count(), effort).deviance;
     result.choices = std::move(choices_);
+    result.found = std::move(found_);
     return result;
   }
 
@@ -105,13 +120,65 @@ class Solver {
     choice.misfit = misfit;
   }
 
+  [[nodiscard]] bool contacts_take_time() const { return !found_.empty(); }
+  [[nodiscard]] std::optional<ContactMotions> contact_motions(const SceneVector& theta) const {
+    return contacts_take_time() ? std::optional<ContactMotions>(theta[3]) : std::nullopt;
+  }
+
+  // Of contacts that take time.
+  void offer_contact_motions(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions& motions,
+                             double free_until, double onset, double most_multiplier) {
+    const MeasuredPoint& point = data_.points[i];
+    const double gamma = gamma_at(theta_, point), tau = contact_angle(theta_, data_, point);
+    FoundMotions& found = found_[i];
+    bool is_stable = false;
+    if (const auto h = contact_h(motions, gamma, tau, false, found, true)) {
+      is_stable = found.symmetric->largest_multiplier < 1;
+      if (found.symmetric->largest_multiplier < most_multiplier)
+        offer(i, coefficients, PointChoice::Kind::two_impact, *h);
+    }
+    if (motions_ != Motions::all) return;
+    if (data_.output == Output::x2 && gamma <= free_until) offer(i, coefficients, PointChoice::Kind::free, 0.0);
+    if (effort_ == Effort::settle && (!is_stable || gamma >= onset)) offer_followed(i, coefficients, motions);
+  }
+
+  // The orbit of one period that is near, or that contact at rest leads to.
+  void offer_followed(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions& motions) {
+    const MeasuredPoint& point = data_.points[i];
+    FoundMotions& found = found_[i];
+    const auto h = contact_h(motions, gamma_at(theta_, point), contact_angle(theta_, data_, point), true, found,
+                             found.failures < most_failures);
+    if (h) {
+      offer(i, coefficients, PointChoice::Kind::sticking, *h);
+    } else {
+      ++found.failures;
+    }
+  }
+
   // limit: gamma up to which the orbit of two impacts, which is stable up to orbit_end, counts.
-  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double orbit_end,
-                     double onset) {
+  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions* contact, double limit,
+                     double orbit_end, double onset) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point);
     const double restitution = theta_[3];
     choices_[i] = {};
+    if (contact != nullptr) {
+      offer_contact_motions(i, coefficients, *contact, limit, onset, limit > orbit_end ? multiplier_beyond_loss : 1);
+    } else {
+      offer_hard_motions(i, coefficients, limit, onset);
+    }
+    if (choices_[i].kind != PointChoice::Kind::none) return;
+    // What N is about where the scene is irregular: its mean from contact at rest, or the orbit of two impacts, which
+    // motions of doubled period and the chaos after them stay about for a while.
+    if (const auto h = mean_h(gamma, restitution)) offer_mean(i, coefficients, *h);
+    if (gamma <= about_the_orbit * orbit_end) {
+      if (const auto response = two_impact_response(gamma, restitution)) offer_mean(i, coefficients, response->h);
+    }
+  }
+
+  void offer_hard_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
+    const double gamma = gamma_at(theta_, data_.points[i]);
+    const double restitution = theta_[3];
     if (gamma <= limit) {
       if (const auto response = two_impact_response(gamma, restitution)) {
         offer(i, coefficients, PointChoice::Kind::two_impact, response->h);
@@ -124,13 +191,6 @@ class Solver {
     if (gamma >= onset) {
       if (const auto h = sticking_h_of(gamma, restitution, effort_))
         offer(i, coefficients, PointChoice::Kind::sticking, *h);
-    }
-    if (choices_[i].kind != PointChoice::Kind::none) return;
-    // What N is about where the scene is irregular: its mean from contact at rest, or the orbit of two impacts, which
-    // motions of doubled period and the chaos after them stay about for a while.
-    if (const auto h = mean_h(gamma, restitution)) offer_mean(i, coefficients, *h);
-    if (gamma <= about_the_orbit * orbit_end) {
-      if (const auto response = two_impact_response(gamma, restitution)) offer_mean(i, coefficients, response->h);
     }
   }
 
@@ -149,7 +209,9 @@ class Solver {
     const double orbit_end = two_impact_end(theta_[3]);
     const double limit = orbit_end * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
     const double onset = motions_ == Motions::all ? chatter_onset(theta_[3]) : std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, orbit_end, onset);
+    const std::optional<ContactMotions> contact = contact_motions(theta_);
+    for (std::size_t i = 0; i < choices_.size(); ++i)
+      offer_motions(i, coefficients, contact ? &*contact : nullptr, limit, orbit_end, onset);
     use_by_evidence(data_, choices_, bounds_.free_count(), effort_);
   }
 
@@ -161,8 +223,14 @@ class Solver {
     return result;
   }
 
-  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta) const {
+  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta,
+                                            const ContactMotions* contact) const {
     const double gamma = gamma_at(theta, data_.points[i]);
+    if (contact != nullptr && choices_[i].kind != PointChoice::Kind::free) {
+      FoundMotions found = found_[i];
+      return contact_h(*contact, gamma, contact_angle(theta, data_, data_.points[i]),
+                       choices_[i].kind == PointChoice::Kind::sticking, found, false);
+    }
     switch (choices_[i].kind) {
       case PointChoice::Kind::two_impact: {
         const auto response = two_impact_response(gamma, theta[3]);
@@ -180,9 +248,10 @@ class Solver {
   [[nodiscard]] Evaluation evaluate(const SceneVector& theta, const std::vector<double>& deviation, bool all) const {
     Evaluation result;
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
+    const std::optional<ContactMotions> contact = contact_motions(theta);
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       if (!choices_[i].used) continue;
-      const auto h = h_at(i, theta);
+      const auto h = h_at(i, theta, contact ? &*contact : nullptr);
       if (!h) {
         result.ended.push_back(i);
         if (!all) return result;
@@ -206,6 +275,7 @@ class Solver {
   const SceneBounds& bounds_;
   Motions motions_;
   std::vector<PointChoice> choices_;
+  std::vector<FoundMotions> found_;  // empty where contacts are hard
   SceneVector theta_{};
   Effort effort_ = Effort::settle;
   int iterations_ = most_iterations;
@@ -229,28 +299,33 @@ std::optional<GapResponse> response_of(const SceneData& data, const SceneVector&
   return std::nullopt;
 }
 
+// found: empty where contacts are hard
 NormalEquations products(const SceneData& data, const SceneVector& theta, const std::vector<PointChoice>& choices,
-                         const std::vector<double>* deviation, Effort effort) {
+                         const std::vector<FoundMotions>& found, const std::vector<double>* deviation, Effort effort) {
   NormalEquations result;
   const OutputCoefficients coefficients = output_coefficients(theta, data.output);
   const std::size_t per_point = data.residuals_per_point();
+  const auto contact = found.empty() ? std::nullopt : std::optional<ContactResponses>(theta[3]);
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (!choices[i].used) continue;
-    const auto response = response_of(data, theta, i, choices[i], effort);
+    const auto response = contact && choices[i].kind != PointChoice::Kind::free
+                              ? contact->at(gamma_at(theta, data.points[i]), contact_angle(theta, data, data.points[i]),
+                                            choices[i].kind == PointChoice::Kind::sticking, found[i])
+                              : response_of(data, theta, i, choices[i], effort);
     if (!response) continue;
     const MeasuredPoint& point = data.points[i];
-    const PointGradient model = point_gradient(coefficients, point, *response);
+    const PointGradient model = point_gradient(coefficients, data, point, *response);
     const double scale = 1 / (deviation != nullptr ? (*deviation)[i] : data.deviation(point, model.value));
     const auto residual = data.parts((model.value - point.value) * scale);
-    std::array<std::array<double, 2>, 4> row{};
-    for (std::size_t k = 0; k < 4; ++k) row[k] = data.parts(model.gradient[k] * scale);
+    std::array<std::array<double, 2>, scene_size> row{};
+    for (std::size_t k = 0; k < scene_size; ++k) row[k] = data.parts(model.gradient[k] * scale);
     result.points.push_back({residual, row});
     for (std::size_t part = 0; part < per_point; ++part) {
       result.cost += residual[part] * residual[part];
       ++result.residuals;
-      for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t k = 0; k < scene_size; ++k) {
         result.gradient[k] += row[k][part] * residual[part];
-        for (std::size_t l = 0; l < 4; ++l) result.matrix[k][l] += row[k][part] * row[l][part];
+        for (std::size_t l = 0; l < scene_size; ++l) result.matrix[k][l] += row[k][part] * row[l][part];
       }
     }
   }
@@ -279,7 +354,7 @@ class BoxedEquations {
  public:
   BoxedEquations(const NormalEquations& equations, const SceneVector& theta, const SceneBounds& bounds)
       : equations_(equations) {
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < scene_size; ++k) {
       const bool pressed = (theta[k] <= bounds.lower[k] && equations.gradient[k] > 0) ||
                            (theta[k] >= bounds.upper[k] && equations.gradient[k] < 0);
       inner_[k] = bounds.is_free(k) && !pressed;
@@ -290,14 +365,14 @@ class BoxedEquations {
   /// Whether nothing is left that the data would move.
   [[nodiscard]] bool is_flat() const { return !(largest_ > 0); }
 
-  [[nodiscard]] Vector4 step(double damping) const {
-    Matrix4 matrix = Matrix4::Identity();
-    Vector4 gradient = Vector4::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
+  [[nodiscard]] SceneStep step(double damping) const {
+    SceneMatrix matrix = SceneMatrix::Identity();
+    SceneStep gradient = SceneStep::Zero();
+    for (std::size_t k = 0; k < scene_size; ++k) {
       if (!inner_[k]) continue;
       const auto row = static_cast<Eigen::Index>(k);
       gradient[row] = equations_.gradient[k];
-      for (std::size_t l = 0; l < 4; ++l) {
+      for (std::size_t l = 0; l < scene_size; ++l) {
         if (inner_[l]) matrix(row, static_cast<Eigen::Index>(l)) = equations_.matrix[k][l];
       }
       matrix(row, row) += damping * std::max(equations_.matrix[k][k], 1e-12 * largest_);
@@ -307,7 +382,7 @@ class BoxedEquations {
 
  private:
   NormalEquations equations_;
-  std::array<bool, 4> inner_{};
+  std::array<bool, scene_size> inner_{};
   double largest_ = 0;
 };
 
@@ -315,9 +390,9 @@ struct Trial {
   SceneVector theta;
   double change;  // of the parameter that moved most
 };
-Trial step_within(const SceneBounds& bounds, const SceneVector& theta, const Vector4& step) {
+Trial step_within(const SceneBounds& bounds, const SceneVector& theta, const SceneStep& step) {
   Trial trial{theta, 0};
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < scene_size; ++k) {
     trial.theta[k] = std::clamp(theta[k] + step[static_cast<Eigen::Index>(k)], bounds.lower[k], bounds.upper[k]);
     trial.change = std::max(trial.change, std::abs(trial.theta[k] - theta[k]));
   }
@@ -334,7 +409,7 @@ void Solver::least_squares() {
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     frac::throw_if_cancelled();
-    const BoxedEquations equations(products(data_, theta_, choices_, &deviation, effort_), theta_, bounds_);
+    const BoxedEquations equations(products(data_, theta_, choices_, found_, &deviation, effort_), theta_, bounds_);
     if (equations.is_flat()) {
       least_squares_converged_ = true;
       break;
@@ -367,14 +442,15 @@ void Solver::least_squares() {
       }
     }
   }
-  moved_ = way_in_standard_errors(start, products(data_, theta_, choices_, &deviation, effort_));
+  moved_ = way_in_standard_errors(start, products(data_, theta_, choices_, found_, &deviation, effort_));
 }
 
 // Length of the way from the start in units of the standard errors, rounding aside.
 double Solver::way_in_standard_errors(const SceneVector& start, const NormalEquations& end) const {
   double square = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    for (std::size_t l = 0; l < 4; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
+  for (std::size_t k = 0; k < scene_size; ++k) {
+    for (std::size_t l = 0; l < scene_size; ++l)
+      square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, end.residuals));
   const double accuracy = 1e-9 * data_.typical_misfit;
@@ -383,9 +459,8 @@ double Solver::way_in_standard_errors(const SceneVector& start, const NormalEqua
 
 }  // namespace
 
-NormalEquations normal_equations(const SceneData& data, const SceneVector& theta,
-                                 const std::vector<PointChoice>& choices) {
-  return products(data, theta, choices, nullptr, Effort::settle);
+NormalEquations normal_equations(const SceneData& data, const LocalScene& local) {
+  return products(data, local.theta, local.choices, local.found, nullptr, Effort::settle);
 }
 
 LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "contact_response.hpp"
 #include "scene_model.hpp"
 
 namespace backlash::detail {
@@ -14,13 +15,15 @@ struct SceneBounds {
   [[nodiscard]] bool is_free(std::size_t k) const { return lower[k] < upper[k]; }
   [[nodiscard]] std::size_t free_count() const {
     std::size_t count = 0;
-    for (std::size_t k = 0; k < 4; ++k) count += is_free(k) ? 1 : 0;
+    for (std::size_t k = 0; k < scene_size; ++k) count += is_free(k) ? 1 : 0;
     return count;
   }
 };
 
 /// The steady motion a point is compared with.
 struct PointChoice {
+  /// two_impact: also the symmetric orbit of contacts that take time; sticking: also any other orbit of one period of
+  /// these.
   enum class Kind { none, two_impact, sticking, free };
   Kind kind = Kind::none;
   bool used = false;           // forms residuals, see scene_evidence
@@ -34,24 +37,25 @@ struct PointChoice {
 /// Of one point: its residuals and their derivatives.  The second ones are 0 when there is only one.
 struct PointResiduals {
   std::array<double, 2> value{};
-  std::array<std::array<double, 2>, 4> gradient{};
+  std::array<std::array<double, 2>, scene_size> gradient{};
 };
 
 /// Sums of products over the residuals.
 struct NormalEquations {
-  std::array<std::array<double, 4>, 4> matrix{};
-  std::array<double, 4> gradient{};
+  std::array<std::array<double, scene_size>, scene_size> matrix{};
+  std::array<double, scene_size> gradient{};
   double cost = 0;
   std::size_t residuals = 0;
   std::vector<PointResiduals> points;  // what the sums are made of
 };
 /// At an estimate, each residual divided by its deviation at that estimate; points whose motion has ended do not enter.
-[[nodiscard]] NormalEquations normal_equations(const SceneData& data, const SceneVector& theta,
-                                               const std::vector<PointChoice>& choices);
+struct LocalScene;
+[[nodiscard]] NormalEquations normal_equations(const SceneData& data, const LocalScene& local);
 
 struct LocalScene {
   SceneVector theta{};
   std::vector<PointChoice> choices;
+  std::vector<FoundMotions> found;  // per point where the contact time is not held at 0, else empty
   double deviance = 0;  // see scene_evidence
   bool converged = false;
   bool usable = false;  // at least as many residuals as free parameters

@@ -15,8 +15,9 @@ namespace backlash::detail {
 namespace {
 
 using frac::detail::short_text;
-using Matrix4 = Eigen::Matrix<double, 4, 4>;
-using Vector4 = Eigen::Matrix<double, 4, 1>;
+constexpr auto dimension = static_cast<int>(scene_size);
+using SceneMatrix = Eigen::Matrix<double, dimension, dimension>;
+using SceneGradient = Eigen::Matrix<double, dimension, 1>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Condition of the scaled Fisher matrix from which on a direction counts as free.
@@ -29,33 +30,33 @@ constexpr double unseen_column = 1e-10;
 // Standard deviations that chance exceeds on one side once in a thousand.
 constexpr double significant_pull = 3.09;
 
-constexpr std::array<const char*, 4> names = {"mass1", "mass2", "clearance", "restitution"};
-constexpr std::array<const char*, 4> units = {"kg", "kg", "m", "1"};
+constexpr std::array<const char*, scene_size> names = {"mass1", "mass2", "clearance", "restitution", "contact_time"};
+constexpr std::array<const char*, scene_size> units = {"kg", "kg", "m", "1", "s"};
 
 struct FisherMatrix {
-  std::array<bool, 4> inner{};     // free, and not at a bound
-  std::array<double, 4> column{};  // lengths
-  Vector4 eigenvalues = Vector4::Zero();
-  Matrix4 eigenvectors = Matrix4::Zero();  // of the scaled matrix
-  std::array<bool, 4> is_free{};           // directions
+  std::array<bool, scene_size> inner{};     // free, and not at a bound
+  std::array<double, scene_size> column{};  // lengths
+  SceneGradient eigenvalues = SceneGradient::Zero();
+  SceneMatrix eigenvectors = SceneMatrix::Zero();  // of the scaled matrix
+  std::array<bool, scene_size> is_free{};           // directions
   std::size_t determined = 0;
   double condition = 1;
 };
 
-FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bool, 4>& inner) {
+FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bool, scene_size>& inner) {
   FisherMatrix result;
   result.inner = inner;
   double longest = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < scene_size; ++k) {
     if (!inner[k]) continue;
     result.column[k] = std::sqrt(equations.matrix[k][k]);
     longest = std::max(longest, result.column[k]);
   }
-  Matrix4 scaled = Matrix4::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
+  SceneMatrix scaled = SceneMatrix::Zero();
+  for (std::size_t k = 0; k < scene_size; ++k) {
     if (!inner[k]) continue;
     if (!(result.column[k] > unseen_column * longest)) result.column[k] = 0;
-    for (std::size_t l = 0; l < 4; ++l) {
+    for (std::size_t l = 0; l < scene_size; ++l) {
       if (!inner[l] || !(result.column[k] > 0) || !(result.column[l] > 0)) continue;
       scaled(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(l)) =
           equations.matrix[k][l] / (result.column[k] * result.column[l]);
@@ -65,11 +66,11 @@ FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bo
   const frac::detail::RightSingularVectors decomposed = frac::detail::right_singular_vectors(scaled);
   result.eigenvalues = decomposed.values.reverse();
   result.eigenvectors = decomposed.vectors.rowwise().reverse();
-  const double largest = result.eigenvalues[3];
-  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+  const double largest = result.eigenvalues[dimension - 1];
+  for (Eigen::Index direction = 0; direction < dimension; ++direction) {
     // Fixed parameters and those at a bound are directions of their own with eigenvalue 0, as are unseen ones.
     double along_inner = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < scene_size; ++k) {
       const double component = result.eigenvectors(static_cast<Eigen::Index>(k), direction);
       if (inner[k]) along_inner += component * component;
     }
@@ -85,19 +86,19 @@ FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bo
 
 // A quantity with the gradient c in theta: variance c' F^-1 c over the determined directions, NaN when it changes along
 // a free one.
-double covariance_of(const FisherMatrix& fisher, const Vector4& one, const Vector4& other) {
+double covariance_of(const FisherMatrix& fisher, const SceneGradient& one, const SceneGradient& other) {
   double sum = 0;
-  const auto scaled = [&](const Vector4& gradient) {
-    Vector4 result = Vector4::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
+  const auto scaled = [&](const SceneGradient& gradient) {
+    SceneGradient result = SceneGradient::Zero();
+    for (std::size_t k = 0; k < scene_size; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       if (fisher.inner[k] && fisher.column[k] > 0) result[row] = gradient[row] / fisher.column[k];
     }
     return result;
   };
-  const Vector4 first = scaled(one);
-  const Vector4 second = scaled(other);
-  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+  const SceneGradient first = scaled(one);
+  const SceneGradient second = scaled(other);
+  for (Eigen::Index direction = 0; direction < dimension; ++direction) {
     const double along_first = fisher.eigenvectors.col(direction).dot(first);
     const double along_second = fisher.eigenvectors.col(direction).dot(second);
     if (fisher.is_free[static_cast<std::size_t>(direction)]) {
@@ -114,45 +115,45 @@ double covariance_of(const FisherMatrix& fisher, const Vector4& one, const Vecto
 // Covariance of the estimate as the points themselves tell it: by how much it moves when each of them is left out, to
 // first order (the jackknife; Efron, Tibshirani 1993, chapter 11).  A point of much weight that lies on its motion by
 // accident moves the estimate far, which this sees; the variance of all residuals averages such a point away.
-Matrix4 jackknife_covariance(const FisherMatrix& fisher, const std::vector<PointResiduals>& points) {
-  Matrix4 inverse = Matrix4::Zero();  // along the directions that are determined
-  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+SceneMatrix jackknife_covariance(const FisherMatrix& fisher, const std::vector<PointResiduals>& points) {
+  SceneMatrix inverse = SceneMatrix::Zero();  // along the directions that are determined
+  for (Eigen::Index direction = 0; direction < dimension; ++direction) {
     const double value = fisher.eigenvalues[direction];
     if (fisher.is_free[static_cast<std::size_t>(direction)] || !(value > 0)) continue;
-    Vector4 along = Vector4::Zero();
-    for (std::size_t k = 0; k < 4; ++k) {
+    SceneGradient along = SceneGradient::Zero();
+    for (std::size_t k = 0; k < scene_size; ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       if (fisher.inner[k] && fisher.column[k] > 0) along[row] = fisher.eigenvectors(row, direction) / fisher.column[k];
     }
     inverse += along * along.transpose() / value;
   }
-  Matrix4 sum = Matrix4::Zero();
+  SceneMatrix sum = SceneMatrix::Zero();
   for (const PointResiduals& point : points) {
-    Eigen::Matrix<double, 4, 2> gradient;
-    for (Eigen::Index k = 0; k < 4; ++k) {
+    Eigen::Matrix<double, dimension, 2> gradient;
+    for (Eigen::Index k = 0; k < dimension; ++k) {
       const auto& row = point.gradient[static_cast<std::size_t>(k)];
       gradient.row(k) << row[0], row[1];
     }
-    const Eigen::Matrix<double, 4, 2> pulled = inverse * gradient;
+    const Eigen::Matrix<double, dimension, 2> pulled = inverse * gradient;
     const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - gradient.transpose() * pulled;
     if (!(left.determinant() > 1e-12)) continue;
-    const Vector4 moved = pulled * left.inverse() * Eigen::Vector2d(point.value[0], point.value[1]);
+    const SceneGradient moved = pulled * left.inverse() * Eigen::Vector2d(point.value[0], point.value[1]);
     sum += moved * moved.transpose();
   }
   const double count = static_cast<double>(points.size());
   return sum * ((count - 1) / count);
 }
 
-bool unseen(const FisherMatrix& fisher, const Vector4& gradient) {
-  for (std::size_t k = 0; k < 4; ++k) {
+bool unseen(const FisherMatrix& fisher, const SceneGradient& gradient) {
+  for (std::size_t k = 0; k < scene_size; ++k) {
     if (fisher.inner[k] && fisher.column[k] == 0 && gradient[static_cast<Eigen::Index>(k)] != 0) return true;
   }
   return false;
 }
 
 std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
-  Vector4 change = Vector4::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
+  SceneGradient change = SceneGradient::Zero();
+  for (std::size_t k = 0; k < scene_size; ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     if (!fisher.inner[k]) continue;
     const double component = fisher.eigenvectors(row, direction);
@@ -168,9 +169,10 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
   Eigen::Index leading = 0;
   const double largest = change.cwiseAbs().maxCoeff(&leading);
   change /= change[leading] < 0 ? -largest : largest;
-  constexpr std::array<const char*, 4> coordinates = {"ln mass1", "ln mass2", "ln clearance", "restitution"};
+  constexpr std::array<const char*, scene_size> coordinates = {"ln mass1", "ln mass2", "ln clearance", "restitution",
+                                                           "contact time"};
   std::string which, rates;
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < scene_size; ++k) {
     const double rate = change[static_cast<Eigen::Index>(k)];
     if (std::abs(rate) < free_share) continue;
     which += (which.empty() ? "" : " : ") + std::string(coordinates[k]);
@@ -182,11 +184,12 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
 
 struct Noise {
   double variance;    // of the residuals, widened
-  Matrix4 jackknife;  // covariance, widened
+  SceneMatrix jackknife;  // covariance, widened
   double t;
+  double time_unit;  // of the contact time, s
 };
 
-SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, double value, const Noise& noise) {
+SceneEstimate estimate(const FisherMatrix& fisher, const SceneGradient& gradient, double value, const Noise& noise) {
   SceneEstimate result{};
   result.value = value;
   const double t = noise.t;
@@ -201,15 +204,15 @@ SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, doub
 
 // How hard the data press a parameter against its limit, in standard deviations of what noise does: the square is the
 // fall of the cost to be expected beyond the limit, the inner parameters being free to follow.
-double pull(const NormalEquations& equations, const std::array<bool, 4>& inner, std::size_t at_limit, double variance) {
-  Matrix4 matrix = Matrix4::Identity();
-  Vector4 coupling = Vector4::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (!inner[k] || !(equations.matrix[k][k] > 0)) continue;
+double pull(const NormalEquations& equations, const std::array<bool, scene_size>& inner, std::size_t at_limit, double variance) {
+  SceneMatrix matrix = SceneMatrix::Identity();
+  SceneGradient coupling = SceneGradient::Zero();
+  for (std::size_t k = 0; k < scene_size; ++k) {
+    if (k == at_limit || !inner[k] || !(equations.matrix[k][k] > 0)) continue;
     const auto row = static_cast<Eigen::Index>(k);
     coupling[row] = equations.matrix[k][at_limit] / std::sqrt(equations.matrix[k][k]);
-    for (std::size_t l = 0; l < 4; ++l) {
-      if (!inner[l] || !(equations.matrix[l][l] > 0)) continue;
+    for (std::size_t l = 0; l < scene_size; ++l) {
+      if (l == at_limit || !inner[l] || !(equations.matrix[l][l] > 0)) continue;
       matrix(row, static_cast<Eigen::Index>(l)) =
           equations.matrix[k][l] / std::sqrt(equations.matrix[k][k] * equations.matrix[l][l]);
     }
@@ -232,15 +235,15 @@ void close_interval(SceneEstimate& estimate) {
 
 // Of the directions that the Fisher matrix gives, as long as the standard errors are.
 auto covariances(const std::array<SceneEstimate, 4>& parameters, const FisherMatrix& fisher,
-                 const std::array<Vector4, 4>& gradient) {
+                 const std::array<SceneGradient, scene_size>& gradient) {
   std::array<double, 4> length{};
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
     const double own = std::sqrt(covariance_of(fisher, gradient[k], gradient[k]));
     length[k] = own > 0 ? parameters[k].standard_error / own : 0;
   }
   std::array<std::array<double, 4>, 4> covariance{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    for (std::size_t l = 0; l < 4; ++l) {
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    for (std::size_t l = 0; l < parameters.size(); ++l) {
       const bool either_fixed = parameters[k].fixed || parameters[l].fixed;
       const bool either_open = std::isnan(parameters[k].standard_error) || std::isnan(parameters[l].standard_error);
       covariance[k][l] = either_fixed  ? 0
@@ -251,15 +254,66 @@ auto covariances(const std::array<SceneEstimate, 4>& parameters, const FisherMat
   return covariance;
 }
 
+// With m the reduced mass, and zeta and a the damping ratio and the angle of a free contact of that restitution and the
+// duration t,
+//   k = m a^2/t^2,   c = 2 zeta a m/t.
+// 1/sqrt(k) and 1/c go smoothly to 0 at the hard contact, so that their intervals give those of k and c, which have no
+// upper end where the contact may be hard.
+std::vector<SceneEstimate> contact_estimates(const FisherMatrix& fisher, const SceneVector& value, SceneEstimate time,
+                                             SceneEstimate restitution, const Noise& noise) {
+  constexpr double difference = 1e-6;
+  const double mass = value[0] / (value[0] + value[1]) * value[1];
+  time.ci95_lower = std::max(time.ci95_lower, 0.0);
+  restitution.name = "contact_restitution";
+  const auto inverse_roots = [&](double of_restitution) {
+    const ContactShape shape = contact_shape(of_restitution);
+    return std::array{1 / (shape.angle * std::sqrt(mass)), 1 / (2 * shape.damping_ratio * shape.angle * mass)};
+  };
+  const double before = std::max(0.0, value[3] - difference), after = std::min(1.0, value[3] + difference);
+  const auto here = inverse_roots(value[3]), low = inverse_roots(before), high = inverse_roots(after);
+  constexpr std::array<double, 2> power = {2, 1}, power_of_mass = {0.5, 1};
+  constexpr std::array<const char*, 2> contact_names = {"contact_stiffness", "contact_damping"};
+  constexpr std::array<const char*, 2> contact_units = {"N/m", "N s/m"};
+  std::vector<SceneEstimate> result = {time};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double inverse = value[4] * here[i];
+    SceneGradient gradient = SceneGradient::Zero();
+    gradient[0] = -power_of_mass[i] * inverse * value[1] / (value[0] + value[1]);
+    gradient[1] = -power_of_mass[i] * inverse * value[0] / (value[0] + value[1]);
+    gradient[3] = value[4] * (high[i] - low[i]) / (after - before);
+    gradient[4] = here[i] * noise.time_unit;
+    const SceneEstimate root = estimate(fisher, gradient, inverse, noise);
+    SceneEstimate made{};
+    made.name = contact_names[i];
+    made.unit = contact_units[i];
+    made.value = std::pow(inverse, -power[i]);
+    made.standard_error = power[i] * made.value * root.standard_error / inverse;
+    made.ci95_lower = std::pow(root.ci95_upper, -power[i]);
+    made.ci95_upper = root.ci95_lower > 0 ? std::pow(root.ci95_lower, -power[i]) : nan;
+    made.fixed = time.fixed && restitution.fixed;
+    made.at_bound = time.at_bound || restitution.at_bound || !std::isfinite(inverse);
+    made.identified = !made.at_bound && is_narrow(made);
+    if (!std::isfinite(made.standard_error)) made.standard_error = nan;
+    result.push_back(made);
+  }
+  result.push_back(restitution);
+  return result;
+}
+
 /// Sum of the masses, product of mass 2 and clearance, ratio of the masses.
 /// @param estimated  called with the gradient in theta and the value of each
 template <typename Estimated>
-std::array<SceneEstimate, 3> combinations_of(const std::array<double, 4>& value, const Estimated& estimated) {
+std::array<SceneEstimate, 3> combinations_of(const SceneVector& value, const Estimated& estimated) {
   const double product = value[1] * value[2];
   const double ratio = value[0] / value[1];
-  std::array<SceneEstimate, 3> combinations = {estimated(Vector4(value[0], value[1], 0, 0), value[0] + value[1]),
-                                               estimated(Vector4(0, product, product, 0), product),
-                                               estimated(Vector4(ratio, -ratio, 0, 0), ratio)};
+  const auto along = [](double mass1, double mass2, double clearance) {
+    SceneGradient gradient = SceneGradient::Zero();
+    gradient.head<3>() << mass1, mass2, clearance;
+    return gradient;
+  };
+  std::array<SceneEstimate, 3> combinations = {estimated(along(value[0], value[1], 0), value[0] + value[1]),
+                                               estimated(along(0, product, product), product),
+                                               estimated(along(ratio, -ratio, 0), ratio)};
   constexpr std::array<const char*, 3> combined_names = {"mass1 + mass2", "mass2 clearance", "mass1/mass2"};
   constexpr std::array<const char*, 3> combined_units = {"kg", "kg m", "1"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -272,7 +326,7 @@ std::array<SceneEstimate, 3> combinations_of(const std::array<double, 4>& value,
 }  // namespace
 
 bool is_narrow(const SceneEstimate& estimate) {
-  const double range = estimate.name == names[3] ? 1.0 : estimate.value;
+  const double range = estimate.name == names[3] || estimate.name == "contact_restitution" ? 1.0 : estimate.value;
   return estimate.ci95_upper - estimate.ci95_lower <= range;
 }
 
@@ -300,15 +354,16 @@ void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
 }
 
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                   const SceneVector& theta, double widening) {
+                                   const SceneVector& theta, double widening, double time_unit) {
   SceneUncertainty result{};
-  std::array<bool, 4> inner{}, at_bound{};
+  std::array<bool, scene_size> inner{}, at_bound{};
   std::size_t bound_count = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < scene_size; ++k) {
     const double margin = 1e-9 * std::min(1.0, bounds.upper[k] - bounds.lower[k]);
     at_bound[k] = bounds.is_free(k) && (theta[k] <= bounds.lower[k] + margin || theta[k] >= bounds.upper[k] - margin);
-    inner[k] = bounds.is_free(k) && !at_bound[k];
-    bound_count += at_bound[k] ? 1 : 0;
+    const bool is_hard = k == 4 && bounds.lower[k] == 0 && theta[k] <= margin;
+    inner[k] = bounds.is_free(k) && (!at_bound[k] || is_hard);
+    bound_count += at_bound[k] && !inner[k] ? 1 : 0;
   }
   const FisherMatrix fisher = fisher_matrix(equations, inner);
   result.condition = fisher.condition;
@@ -316,33 +371,35 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
   const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
   const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
-                    frac::student_t_95(degrees)};
+                    frac::student_t_95(degrees), time_unit};
 
-  for (std::size_t k = 0; k < 4; ++k) {
+  const SceneVector value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3],
+                             theta[4] * time_unit};
+  for (std::size_t k = 0; k < scene_size; ++k) {
     if (at_bound[k] && pull(equations, inner, k, variance) > significant_pull) {
       result.strained.push_back(std::string("The data pull ") + names[k] + " beyond its limit " +
-                                short_text(k == 3 ? theta[k] : std::exp(theta[k])) + ".");
+                                short_text(value[k]) + ".");
     }
   }
 
-  const std::array<double, 4> value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3]};
-  std::array<Vector4, 4> gradient;
-  for (std::size_t k = 0; k < 4; ++k) {
-    gradient[k] = Vector4::Zero();
-    gradient[k][static_cast<Eigen::Index>(k)] = k == 3 ? 1 : value[k];
-    SceneEstimate& parameter = result.parameters[k];
-    parameter = estimate(fisher, gradient[k], value[k], noise);
+  std::array<SceneGradient, scene_size> gradient;
+  for (std::size_t k = 0; k < scene_size; ++k) {
+    gradient[k] = SceneGradient::Zero();
+    gradient[k][static_cast<Eigen::Index>(k)] = k < 3 ? value[k] : k == 3 ? 1 : time_unit;
+    SceneEstimate parameter = estimate(fisher, gradient[k], value[k], noise);
     parameter.name = names[k];
     parameter.unit = units[k];
     parameter.fixed = !bounds.is_free(k);
-    parameter.at_bound = at_bound[k];
+    parameter.at_bound = at_bound[k] && !inner[k];
     close_interval(parameter);
+    if (k < result.parameters.size()) result.parameters[k] = parameter;
+    else if (bounds.upper[k] > 0) result.contact = contact_estimates(fisher, value, parameter, result.parameters[3], noise);
   }
   result.covariance = covariances(result.parameters, fisher, gradient);
-  result.combinations = combinations_of(value, [&](const Vector4& of, double combined) {
+  result.combinations = combinations_of(value, [&](const SceneGradient& of, double combined) {
     SceneEstimate combination = estimate(fisher, of, combined, noise);
     combination.fixed = true;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < scene_size; ++k) {
       if (of[static_cast<Eigen::Index>(k)] == 0) continue;
       combination.fixed = combination.fixed && !bounds.is_free(k);
       combination.at_bound = combination.at_bound || at_bound[k];
@@ -350,7 +407,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     close_interval(combination);
     return combination;
   });
-  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+  for (Eigen::Index direction = 0; direction < dimension; ++direction) {
     if (fisher.is_free[static_cast<std::size_t>(direction)]) {
       result.free_directions.push_back(direction_text(fisher, direction));
     }

@@ -15,6 +15,7 @@ namespace backlash::detail {
 struct SceneUncertainty {
   std::array<SceneEstimate, 4> parameters;
   std::array<SceneEstimate, 3> combinations;
+  std::vector<SceneEstimate> contact;  // see SceneIdentification; empty where the contact time is held at 0
   std::vector<std::string> free_directions;
   /// One sentence per parameter at a limit beyond which the data pull it by more than their noise does.
   std::vector<std::string> strained;
@@ -22,9 +23,12 @@ struct SceneUncertainty {
   double condition;
   std::size_t rank;  // directions determined, parameters at a bound among them
 };
+/// A contact time of 0 that may rise is no limit of the scene, but the hard contact: the other parameters' intervals
+/// hold for all contact times that the data allow.
 /// @param widening  factor on the standard errors
+/// @param time_unit  of the contact time, s
 [[nodiscard]] SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                                 const SceneVector& theta, double widening);
+                                                 const SceneVector& theta, double widening, double time_unit);
 
 /// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
 /// without an interval, as at a limit.

@@ -56,9 +56,14 @@ class IdentifyScene : public Command {
              std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary});
     o.choice("--weight", scene_.weight, std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute},
              "relative |data|; given the files' sigma or weight column; absolute nothing");
+    o.choice("--contact", scene_.contact, backlash::contact_models(),
+             "auto and compliant estimate the contact time; auto holds for hard contacts too")
+        .not_with({"--load-receptance"}, "which knows hard contacts only")
+        .not_with({"--drive-receptance"}, "which knows hard contacts only");
     add_open_receptances(o, load_, drive_);
     o.texts("--fix", given_.fix,
-            "of mass1, mass2, clearance and restitution, or of names in the receptances; x1 needs a mass or the "
+            "of mass1, mass2, clearance, restitution and contact_time, or of names in the receptances; x1 needs a mass "
+            "or the "
             "clearance");
     o.texts("--bound", given_.bound);
     o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
@@ -187,6 +192,7 @@ class IdentifyScene : public Command {
     run.command = command_line();
     run.options = {{"output", body}};
     for (auto& entry : options().entries({"--component", "--weight"})) run.options.push_back(std::move(entry));
+    if (!has_receptances()) run.options.push_back({"contact", std::string(backlash::to_string(scene_.contact))});
   }
 
   template <typename Identification>

@@ -48,6 +48,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
       {"--component", "PART", "Part of the response that is fitted"},
       {"--fit", "FILE", "Result of fracfit fit as JSON: its model, parameters and their covariance"},
+      {"--contact", "CONTACT", "Whether contacts are hard (take no time) or have stiffness and damping"},
       {"--weight", "WEIGHT", "What residuals are divided by"},
       {"--fix", "NAME=VALUE", "Hold a parameter at a value; repeatable"},
       {"--bound", "NAME=LOW:HIGH", "Limits of a parameter, one side may be left out; repeatable"},

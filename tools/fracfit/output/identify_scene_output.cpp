@@ -70,6 +70,7 @@ std::string scene_table(const SceneRun& run, const backlash::SceneIdentification
                         const std::optional<backlash::SceneComparison>& comparison) {
   std::string text = data_table(run, result) + "\n" + estimate_table("parameter", result.parameters) + "\n" +
                      estimate_table("combination", result.combinations) + "\n";
+  if (!result.contact.empty()) text += estimate_table("contact", result.contact) + "\n";
   for (const auto& direction : result.free_directions) text += direction + "\n";
   text += verdict_text(result);
   if (comparison) {

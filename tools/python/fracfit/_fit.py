@@ -1076,10 +1076,10 @@ class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
 
     def _columns(self) -> dict[str, Any]:
         names = ("name", "unit", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed")
-        return {name: [each[name] for each in (*self.parameters, *self.combinations)] for name in names}
+        return {name: [each[name] for each in (*self.parameters, *self.combinations, *self.contact)] for name in names}
 
     def __getitem__(self, name: str) -> float:
-        for each in (*self.parameters, *self.combinations):
+        for each in (*self.parameters, *self.combinations, *self.contact):
             if each["name"] == name:
                 return each["value"]
         raise KeyError(f"a scene has no quantity {name}")
@@ -1091,7 +1091,7 @@ class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
     def _repr_html_(self) -> str:
         rows = [
             (each["name"], each["unit"], each["value"], each["standard_error"], each["ci95_lower"], each["ci95_upper"])
-            for each in (*self.parameters, *self.combinations)
+            for each in (*self.parameters, *self.combinations, *self.contact)
         ]
         return html_table(["", "unit", "value", "standard error", "from", "to (95 %)"], rows, self.message)
 
@@ -1106,6 +1106,7 @@ def identify_scene(
     body: str = "x1",
     component: str = "both",
     weight: str = "relative",
+    contact: str = "auto",
     threads: int = 0,
     fix: Known = None,
     bound: Limits = None,
@@ -1119,13 +1120,16 @@ def identify_scene(
     force : array_like
         Those amplitudes, N.
     fixed, bounds : mapping, optional
-        Of mass1, mass2 (kg), clearance (m) and restitution.  From x1 one mass or the clearance has to be fixed.
+        Of mass1, mass2 (kg), clearance (m), restitution and contact_time (s).  From x1 one mass or the clearance has to be fixed.
     body : {"x1", "x2"}
         Whose position was measured.
     component : {"both", "real", "imaginary"}
         Part that is fitted.
     weight : {"relative", "given", "absolute"}
         What residuals are divided by.
+    contact : {"auto", "hard", "compliant"}
+        Hard contacts take no time; the others have a stiffness and a damping, which are estimated.  The intervals of
+        "auto" hold for both.
 
     Examples
     --------
@@ -1145,6 +1149,7 @@ def identify_scene(
         "body": text(body, "body"),
         "component": text(component, "component"),
         "weight": text(weight, "weight"),
+        "contact": text(contact, "contact"),
         "threads": count(threads, "threads"),
     }
     return SceneIdentification(_fitting.identify_scene([curve._arrays() for curve in curves], forces.tolist(), request))

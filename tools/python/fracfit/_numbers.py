@@ -125,6 +125,9 @@ class SceneIdentificationNumbers:
 
     parameters: list[dict[str, Any]]
     combinations: list[dict[str, Any]]
+    contact: list[dict[str, Any]]
+    contact_verdict: str
+    contact_evidence: float
     free_directions: list[str]
     misfits: list[str]
     residual_correlation: float

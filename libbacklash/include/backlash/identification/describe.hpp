@@ -40,6 +40,7 @@ void describe(Result& result, const Visit& visit) {
   visit("mass2", "kg", "mass 2", result.parameters[1]);
   visit("clearance", "m", "clearance", result.parameters[2]);
   visit("restitution", "1", "coefficient of restitution", result.parameters[3]);
+  visit("contact_time", "s", "time of a free contact, 0 of hard ones", result.contact_time);
   visit("odds_against", "1", "evidence of the estimate over that of this scene", result.odds);
 }
 
@@ -62,6 +63,14 @@ void describe(Result& result, const Visit& visit) {
   visit("parameters", "", "masses, clearance and restitution, see scene-estimate", result.parameters);
   if constexpr (of_two_masses) {
     visit("combinations", "", "combinations of parameters that x1 tells, see scene-estimate", result.combinations);
+    visit("contact", "", "time, stiffness, damping and restitution of a free contact, see scene-estimate",
+          result.contact);
+    visit("contact_verdict", "",
+          "compliant where the data tell contacts from hard ones, else undecided; hard where that was asked for",
+          result.contact_verdict);
+    visit("contact_evidence", "1",
+          "twice the logarithm of the likelihood ratio of contacts that take time over hard ones",
+          result.contact_evidence);
     visit("free_directions", "", "what the data leave free, a sentence each", result.free_directions);
   }
   visit("misfits", "", "how the data contradict the scene, a sentence each", result.misfits);

@@ -4,10 +4,13 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "backlash/compliant_contact.hpp"
 #include "backlash/describing_function.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/model/frequency_response_data.hpp"
@@ -20,15 +23,36 @@ struct MeasuredDescribingFunction {
   double force_amplitude;  // N, > 0
 };
 
+/// What a contact is taken for.
+enum class ContactModel {
+  hard,       // an impact of a restitution, which takes no time
+  compliant,  // stiffness and damping, see CompliantContact
+  automatic,  // compliant, with the hard contact as its limit
+};
+[[nodiscard]] std::string_view to_string(ContactModel model);  // hard, compliant, auto
+[[nodiscard]] std::span<const ContactModel> contact_models();
+/// @throws std::invalid_argument  naming the allowed ones.
+[[nodiscard]] ContactModel contact_model_from_string(std::string_view text);
+
+/// What the data say of the contact.
+enum class ContactVerdict {
+  hard,       // that was asked for
+  compliant,  // told from a hard one
+  undecided,  // either explains the data
+};
+[[nodiscard]] std::string_view to_string(ContactVerdict verdict);
+
 struct SceneIdentificationOptions {
   Output output = Output::x1;                         // whose motion was measured
   frac::Component component = frac::Component::both;  // both, real or imaginary
   /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
   /// the data; absolute: equal noise.
   frac::Weight weight = frac::Weight::relative;
-  /// On mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
-  /// masses and clearance, [0, 1] for restitution.
+  /// On mass1, mass2 (kg), clearance (m), restitution and contact_time (s).  Default limits: a factor 1e6 about what
+  /// the data suggest for masses and clearance, [0, 1] for restitution, from 0 to half the period of the median
+  /// frequency for contact_time, which is 0 of hard contacts.
   std::vector<frac::ParameterConstraint> constraints;
+  ContactModel contact = ContactModel::automatic;
   int threads = 0;  // 0: one per core; the result does not depend on it
 };
 
@@ -76,6 +100,7 @@ struct ScenePoint {
 /// Another scene that explains the data nearly as well.
 struct RivalScene {
   std::array<double, 4> parameters;  // mass1, mass2, clearance, restitution
+  double contact_time;               // s, 0 of hard contacts
   double odds;  // evidence of the estimate over that of this scene: 1 to 150, at restitution below 0.1 up to 10^9
 };
 
@@ -87,6 +112,16 @@ struct SceneIdentification {
 
   std::array<SceneEstimate, 4> parameters;    // mass1, mass2, clearance, restitution
   std::array<SceneEstimate, 3> combinations;  // mass1 + mass2, mass2 clearance, mass1/mass2
+  /// contact_time (s, of a contact of bodies on which nothing else acts), contact_stiffness (N/m), contact_damping
+  /// (N s/m) and contact_restitution (that of such a contact, `restitution` again).  Stiffness and damping are infinite
+  /// at contact time 0, and have no upper end of their interval where that may be 0.  Empty for ContactModel::hard.
+  std::vector<SceneEstimate> contact;
+  /// Whether the data tell the contact from a hard one: compliant where the likelihood ratio is beyond what chance does
+  /// once in a thousand and the interval of the contact time excludes 0.
+  ContactVerdict contact_verdict;
+  /// Twice the logarithm of the likelihood of contacts that take time over that of hard ones, each at its best and at
+  /// its own noise; NaN for ContactModel::hard.
+  double contact_evidence;
   /// One sentence per direction in the space of the parameters that the data leave free.
   std::vector<std::string> free_directions;
   /// One sentence for each way in which the data contradict the scene: residuals that follow a shape, curves that
@@ -109,8 +144,11 @@ struct SceneIdentification {
   std::size_t starts_at_best;  // of which ended at the same estimate
   double seconds;
 
-  /// The scene at the estimate. @throws std::invalid_argument  no usable start: there is none.
+  /// The scene at the estimate, with the restitution of a free contact. @throws std::invalid_argument  no usable start:
+  /// there is none.
   [[nodiscard]] TwoMassSystem system() const;
+  /// Empty where the estimate is a hard contact.
+  [[nodiscard]] std::optional<CompliantContact> compliant_contact() const;
 };
 
 /// Estimates masses, clearance and restitution from describing functions at one or several force amplitudes, the two
@@ -138,9 +176,16 @@ struct SceneIdentification {
 /// impacts alone explain part of the data; the best places are solved by Levenberg and Marquardt's method in ln mass1,
 /// ln mass2, ln clearance and restitution, and the estimate is the one of greatest evidence.  Others of nearly equal
 /// evidence are listed and stretch the intervals.
+///
+/// Unless contacts are to be hard, the search goes on from there with the time of a free contact as a fifth parameter,
+/// from 0 on: two contacts per period by the closed form of their flights, other orbits of one period by Newton's
+/// method on the flow (tools/docs/methods/compliant-contact.md), where hard contacts do not describe the data from
+/// places with longer contacts too.  Near 0 N changes in proportion to it, so that the intervals of the others hold for
+/// all contact times that the data allow, also where the estimate is a hard contact.
 /// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
-///     or contradictory; fewer residuals than free parameters; all data zero.
+///     or contradictory, or of contact_time where contacts are hard; fewer residuals than free parameters; all data
+///     zero.
 [[nodiscard]] SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
                                                  const SceneIdentificationOptions& options = {});
 

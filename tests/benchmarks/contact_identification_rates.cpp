@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether the 95 % intervals of identify_scene hold where contacts have stiffness and damping, and how often it is
+// confidently wrong: seeded random scenes of N of x1 or x2 at two or three forces, noise of 1 %, the time of a free
+// contact a given share of the period of the band's middle at the first force (0: hard contacts).  Half of the bands
+// lie where hard contacts have their symmetric orbit of two impacts, half reach below it. An estimate is stated where
+// it is called identified, held where its interval holds the truth; a scene is confidently wrong where something is
+// stated and each interval stated excludes the truth, far off where one of them misses it by more than twice its reach.
+// Usage: contact_identification_rates [--smoke] [--each] [--hard] [scenes of each time] [seed]; --hard takes contacts
+// for hard ones.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "backlash/compliant/compliant_bodies.hpp"
+#include "backlash/identification/scene_identification.hpp"
+#include "backlash/jump_frequency.hpp"
+#include "steady_state/two_impact_orbit.hpp"
+#include "support/random.hpp"
+#include "support/relative_error.hpp"
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr std::array<double, 6> contact_shares = {0, 0.0003, 0.003, 0.01, 0.03, 0.1};
+constexpr double noise = 0.01;
+
+struct Case {
+  backlash::TwoMassSystem system;
+  double contact_time;
+  std::vector<backlash::MeasuredDescribingFunction> curves;
+  backlash::SceneIdentificationOptions options;
+};
+
+Case random_case(support::Random& random, double share) {
+  const double mass1 = random.log_uniform(0.2, 5), mass2 = random.log_uniform(0.2, 5);
+  const double clearance = random.log_uniform(0.01, 1), restitution = random.uniform(0.15, 0.9);
+  Case made{{mass1, mass2, clearance, restitution}, 0, {}, {}};
+  made.options.threads = 1;
+  const bool is_symmetric = random.unit() < 0.5;
+  // In units of sqrt(F/(mass2 clearance)).
+  const double symmetric = 1 / std::sqrt(backlash::detail::symmetry_breaking_gamma(restitution));
+  const double lower = symmetric * (is_symmetric ? random.log_uniform(1.02, 1.2) : random.log_uniform(0.4, 0.9));
+  const double upper = symmetric * random.log_uniform(1.5, 2);
+  const std::size_t forces = 2 + random.below(2), points = 15 + random.below(16);
+  made.options.output = random.unit() < 0.7 ? backlash::Output::x1 : backlash::Output::x2;
+  if (made.options.output == backlash::Output::x1) made.options.constraints.push_back({"mass1", mass1, {}, {}, {}});
+  backlash::SweepOptions sweep;
+  sweep.output = made.options.output;
+  sweep.threads = 1;
+  sweep.mean_tolerance = 0.01;
+  sweep.protocol = backlash::Protocol::sweep_up;
+  const double first = random.log_uniform(1, 100);
+  std::vector<double> amplitude = {first};
+  while (amplitude.size() < forces) amplitude.push_back(first * random.log_uniform(0.4, 2.5));
+  const double middle = std::sqrt(lower * upper * first / (mass2 * clearance));
+  made.contact_time = share * 2 * std::numbers::pi / middle;
+  for (const double force : amplitude) {
+    const double unit = std::sqrt(force / (mass2 * clearance));
+    const std::vector<double> omega = support::log_grid(lower * unit, upper * unit, static_cast<int>(points));
+    std::vector<double> led_in = support::log_grid(0.6 * lower * unit, 0.99 * lower * unit, 8);
+    const auto lead = static_cast<std::ptrdiff_t>(led_in.size());
+    led_in.insert(led_in.end(), omega.begin(), omega.end());
+    std::vector<Complex> value;
+    if (share == 0) {
+      value = backlash::describing_function_sweep(made.system, force, led_in, sweep).data().value();
+    } else {
+      const double ratio = backlash::damping_ratio_of_restitution(restitution);
+      const double angle = backlash::free_contact(backlash::CompliantContact(1, 2 * ratio), 2, 2).duration;
+      const auto contact = backlash::CompliantContact::from_frequency(angle / made.contact_time, ratio, mass1, mass2);
+      const backlash::CompliantBodies bodies(backlash::free_mass(mass1), backlash::free_mass(mass2), clearance,
+                                             contact);
+      value = backlash::bodies_describing_function(bodies, force, led_in, sweep).data().value();
+    }
+    value.erase(value.begin(), value.begin() + lead);
+    for (Complex& z : value) {
+      const double real = random.normal();
+      z += noise * std::abs(z) * Complex(real, random.normal());
+    }
+    made.curves.push_back({{omega, value}, force});
+  }
+  return made;
+}
+
+struct Tally {
+  int scenes = 0, flagged = 0, answered = 0, wrong = 0, far_off = 0, stated = 0, held = 0, told = 0, time_stated = 0,
+      time_held = 0;
+  std::vector<double> seconds;
+};
+
+void judge(const Case& scene, bool each, Tally& tally) {
+  const std::clock_t begin = std::clock();
+  const auto result = backlash::identify_scene(scene.curves, scene.options);
+  tally.seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  ++tally.scenes;
+  tally.flagged += result.misfits.empty() ? 0 : 1;
+  tally.told += result.contact_verdict == backlash::ContactVerdict::compliant ? 1 : 0;
+  int stated = 0, held = 0;
+  bool far_off = false;
+  std::string text;
+  const auto count = [&](const backlash::SceneEstimate& estimate, double truth) {
+    char shown[160];
+    std::snprintf(shown, sizeof shown, " %s %.5g %s%.5g (%.5g..%.5g)", estimate.name.c_str(), truth,
+                  estimate.identified ? "" : "? ", estimate.value, estimate.ci95_lower, estimate.ci95_upper);
+    text += shown;
+    const bool holds = estimate.ci95_lower <= truth && truth <= estimate.ci95_upper;
+    if (!estimate.identified) return holds;
+    const double reach =
+        truth > estimate.value ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
+    far_off = far_off || std::abs(estimate.value - truth) > 2 * reach;
+    ++stated;
+    held += holds ? 1 : 0;
+    return holds;
+  };
+  const std::array<double, 4> truth = {scene.system.mass1(), scene.system.mass2(), scene.system.clearance(),
+                                       scene.system.restitution()};
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    if (!result.parameters[k].fixed) count(result.parameters[k], truth[k]);
+  tally.stated += stated;
+  tally.held += held;
+  const bool is_answered = stated > 0;
+  if (!result.contact.empty() && is_answered && std::isfinite(result.contact[0].ci95_upper)) {
+    ++tally.time_stated;
+    tally.time_held += count(result.contact[0], scene.contact_time) ? 1 : 0;
+  }
+  const bool wrong = is_answered && held == 0;
+  tally.answered += is_answered ? 1 : 0;
+  tally.wrong += wrong ? 1 : 0;
+  tally.far_off += far_off ? 1 : 0;
+  if (each) {
+    std::printf("# %s x%d %zu forces: %zu of %zu points, %.2f s:%s | %s\n",
+                wrong     ? "WRONG"
+                : far_off ? "FAR"
+                          : "ok",
+                scene.options.output == backlash::Output::x1 ? 1 : 2, scene.curves.size(), result.points_used,
+                result.points.size(), tally.seconds.back(), text.c_str(), result.message.c_str());
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  bool each = false, smoke = false, hard = false;
+  double only = -1;
+  std::vector<std::uint64_t> numbers;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--each") == 0) {
+      each = true;
+    } else if (std::strcmp(argv[i], "--smoke") == 0) {
+      smoke = true;
+    } else if (std::strcmp(argv[i], "--hard") == 0) {
+      hard = true;
+    } else if (std::strncmp(argv[i], "--only=", 7) == 0) {
+      only = std::strtod(argv[i] + 7, nullptr);
+    } else {
+      numbers.push_back(std::strtoull(argv[i], nullptr, 10));
+    }
+  }
+  const std::uint64_t scenes = smoke ? 1 : !numbers.empty() ? numbers[0] : 20;
+  const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
+  std::printf(
+      "| contact time/period | scenes | said not to fit | something identified | confidently wrong | one far off | "
+      "intervals | coverage | contact time held | told from hard | processor s in the middle |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const double share : contact_shares) {
+    if (only >= 0 && share != only) continue;
+    support::Random random(seed + 1'000'000 * static_cast<std::uint64_t>(1e4 * share));
+    Tally tally;
+    for (std::uint64_t i = 0; i < scenes; ++i) {
+      Case scene = random_case(random, share);
+      if (hard) scene.options.contact = backlash::ContactModel::hard;
+      judge(scene, each, tally);
+    }
+    std::sort(tally.seconds.begin(), tally.seconds.end());
+    std::printf("| %g | %d | %d | %d | %d | %d | %d of %d | %.1f %% | %d of %d | %d | %.2g |\n", share, tally.scenes,
+                tally.flagged, tally.answered, tally.wrong, tally.far_off, tally.held, tally.stated,
+                100.0 * tally.held / std::max(1, tally.stated), tally.time_held, tally.time_stated, tally.told,
+                tally.seconds[tally.seconds.size() / 2]);
+    std::fflush(stdout);
+  }
+}
