@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -159,6 +160,73 @@ TEST(TimeHistory, EndsEarlyAtTheLastImpactAllowed) {
   EXPECT_EQ(std::count_if(history.rows.begin(), history.rows.end(),
                           [](const HistoryRow& row) { return row.event == HistoryEvent::after_impact; }),
             5);
+}
+
+// Newton's law does not know of frequencies: mass 1 is free between events and m2 takes the impulse of the force, also
+// across the peaks where its frequency changes.
+TEST(SteppedSineHistory, EachMassObeysNewtonAcrossAllFrequencies) {
+  support::Random random(47);
+  std::size_t events = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto [system, force, first, start] = random_scene(random);
+    const std::vector<double> omega{first, first * random.uniform(0.5, 2), first * random.uniform(0.5, 2)};
+    constexpr int periods = 4;
+    const TimeHistory history = backlash::stepped_sine_history(system, force, omega, start, periods, 17);
+    ASSERT_TRUE(history.complete);
+    std::vector<double> begins{0};
+    for (const double w : omega) begins.push_back(begins.back() + periods * 2 * pi / w);
+    ASSERT_NEAR(history.rows.back().time, begins.back(), 8 * ulp * begins.back());
+    // Impulse of F cos(phase) from 0 on: whole periods give none.
+    const auto impulse_at = [&](double time) {
+      std::size_t k = 0;
+      while (k + 1 < omega.size() && time > begins[k + 1]) ++k;
+      return force / omega[k] * std::sin(omega[k] * (time - begins[k]));
+    };
+    const double slowest = *std::min_element(omega.begin(), omega.end()), m2 = system.mass2();
+    for (std::size_t k = 1; k < history.rows.size(); ++k) {
+      const HistoryRow& from = history.rows[k - 1];
+      const HistoryRow& to = history.rows[k];
+      const double step = to.time - from.time;
+      ASSERT_GE(step, 0);
+      // Rounding as above; the centre of mass is shifted by up to 2 F/((M1 + M2) omega^2).
+      const double speed =
+          std::abs(from.v1) + std::abs(from.v2) + std::abs(to.v1) + std::abs(to.v2) + force / m2 / slowest;
+      const double length = std::abs(from.x1) + std::abs(from.x2) + speed / slowest;
+      const double rounding = 40 * ulp * (1 + 2 * first * to.time);
+      if (to.event == HistoryEvent::after_impact) {
+        ++events;
+        ASSERT_EQ(step, 0);
+        ASSERT_NEAR(to.x1, from.x1, rounding * length);
+        continue;
+      }
+      const bool resting = from.event == HistoryEvent::rest_begin ||
+                           (from.wall && from.event == HistoryEvent::sample && to.event != HistoryEvent::rest_begin);
+      if (resting || to.event == HistoryEvent::rest_begin) continue;
+      ASSERT_NEAR(to.v1, from.v1, rounding * speed);
+      ASSERT_NEAR(to.x1 - from.x1, from.v1 * step, rounding * length);
+      ASSERT_NEAR(m2 * (to.v2 - from.v2), impulse_at(to.time) - impulse_at(from.time), m2 * rounding * speed);
+    }
+  }
+  EXPECT_GT(events, 1000U);
+}
+
+TEST(SteppedSineHistory, RefusesWhatIsNoPlan) {
+  const TwoMassSystem system(1, 1, 0.3, 0.6);
+  support::expect_invalid_argument(
+      [&] {
+        return backlash::stepped_sine_history(system, 40, {}, {0.1, 0}, 3, 8);
+      },
+      {"omega is empty"});
+  support::expect_invalid_argument(
+      [&] {
+        return backlash::stepped_sine_history(system, 40, {20, -1}, {0.1, 0}, 3, 8);
+      },
+      {"omega", "-1"});
+  support::expect_invalid_argument(
+      [&] {
+        return backlash::stepped_sine_history(system, 40, {20, 21}, {0.1, 0}, 3000, 2000);
+      },
+      {"samples is 2000", "2 frequencies of 3000 periods", "at most 10000000"});
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -44,6 +46,118 @@ TEST(History, SaysWhatIsWrong) {
     EXPECT_EQ(result.code, 2);
     EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
   }
+}
+
+// The record of a rig: no sensor errors, so that it is the motion itself; at one frequency that of the rows of events.
+TEST(History, WritesTheRecordOfARig) {
+  const std::vector<std::string> scene{"history", "--force",   "40",  "--clearance", "0.3", "--restitution",
+                                       "0.6",     "--periods", "3",   "--skip",      "50",  "--omega",
+                                       "20",      "--format",  "json"};
+  auto sampled = scene, with_rows = scene;
+  // Ten samples per period.
+  sampled.insert(sampled.end(), {"--sample-time", "0.031415926535897934"});
+  with_rows.insert(with_rows.end(), {"--samples", "10"});
+  const auto record = run_fracfit(sampled), rows = run_fracfit(with_rows);
+  ASSERT_EQ(record.code, 0) << record.error;
+  const auto found = nlohmann::json::parse(record.output), exact = nlohmann::json::parse(rows.output);
+  std::vector<nlohmann::json> samples;
+  for (const auto& row : exact["rows"])
+    if (row["event"] == "sample") samples.push_back(row);
+  // The last sample falls on the end or just behind it.
+  ASSERT_GE(found["rows"].size(), 30U);
+  for (std::size_t i = 0; i < 30; ++i) {
+    const auto& row = found["rows"][i];
+    EXPECT_NEAR(row["time_s"].get<double>(), samples[i]["time_s"].get<double>(), 1e-12);
+    EXPECT_NEAR(row["force_n"].get<double>(), 40 * std::cos(20 * row["time_s"].get<double>()), 1e-10);
+    EXPECT_NEAR(row["x1_m"].get<double>(), samples[i]["x1_m"].get<double>(), 1e-11);
+    EXPECT_NEAR(row["x2_m"].get<double>(), samples[i]["x2_m"].get<double>(), 1e-11);
+  }
+}
+
+// Each sensor error alone has the effect that its name says; the library's test has their distributions.
+TEST(History, SensorsOfARigErr) {
+  const auto rows_with = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"history", "--restitution", "0.6",  "--omega",  "0.8", "--periods",
+                                   "3",       "--sample-time", "0.05", "--format", "json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto result = run_fracfit(words);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return nlohmann::json::parse(result.output)["rows"];
+  };
+  const auto exact = rows_with({});
+  const auto rms = [&](const nlohmann::json& rows, const char* column, std::size_t later = 0) {
+    double sum = 0;
+    const std::size_t count = std::min(rows.size(), exact.size() - later);
+    for (std::size_t i = 0; i < count; ++i)
+      sum += std::pow(rows[i][column].get<double>() - exact[i + later][column].get<double>(), 2);
+    return std::sqrt(sum / static_cast<double>(count));
+  };
+  // 471 samples: their mean square scatters by sqrt(2/471), 6.5 %.
+  EXPECT_NEAR(rms(rows_with({"--sensor-noise", "0.01"}), "x1_m"), 0.01, 0.002);
+  EXPECT_EQ(rms(rows_with({"--sensor-noise", "0.01"}), "force_n"), 0);
+  EXPECT_NEAR(rms(rows_with({"--force-noise", "0.1"}), "force_n"), 0.1, 0.02);
+  EXPECT_EQ(rms(rows_with({"--force-noise", "0.1"}), "x2_m"), 0);
+  EXPECT_NEAR(rms(rows_with({"--quantisation", "0.05"}), "x2_m"), 0.05 / std::sqrt(12.0), 0.003);
+  for (const auto& row : rows_with({"--clip", "0.2"})) EXPECT_LE(std::abs(row["x1_m"].get<double>()), 0.2);
+  // Two samples late; the record begins where the first reading is.
+  const auto late = rows_with({"--sensor-delay", "0.1"});
+  EXPECT_NEAR(late[0]["time_s"].get<double>(), 0.1, 1e-12);
+  EXPECT_LT(rms(late, "x1_m"), 1e-6);
+  EXPECT_NEAR(late[0]["force_n"].get<double>(), exact[2]["force_n"].get<double>(), 1e-9);
+  // sin of the force under jitter j: j w/sqrt(2).
+  const auto jitter = rows_with({"--clock-jitter", "0.004"});
+  EXPECT_NEAR(jitter[0]["time_s"].get<double>(), 0.05, 1e-12);
+  EXPECT_NEAR(rms(jitter, "force_n", 1), 0.004 * 0.8 / std::sqrt(2.0), 0.0004);
+  EXPECT_EQ(rows_with({"--sensor-noise", "1", "--seed", "7"}), rows_with({"--sensor-noise", "1", "--seed", "7"}));
+  EXPECT_NE(rows_with({"--sensor-noise", "1", "--seed", "7"}), rows_with({"--sensor-noise", "1", "--seed", "8"}));
+}
+
+TEST(History, SaysWhatIsWrongWithARecord) {
+  const auto refused = [](const std::vector<std::string>& more, const std::string& part) {
+    std::vector<std::string> words{"history", "--restitution", "0.6"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto result = run_fracfit(words);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  };
+  refused({"--omega", "1,2"}, "--sample-time for a record");
+  refused({"--omega", "2", "--clip", "1"}, "--clip");
+  refused({"--omega", "2", "--sample-time", "0"}, "--sample-time 0");
+  refused({"--omega", "2", "--sample-time", "0.1", "--samples", "20"}, "--samples");
+  refused({"--omega", "2", "--sample-time", "0.1", "--sensor-noise", "-1"}, "--sensor-noise -1");
+  refused({"--omega", "2", "--sample-time", "0.1", "--clip", "0"}, "--clip 0: allowed is a finite number above 0");
+  refused({"--omega", "2", "--sample-time", "0.1", "--clock-jitter", "0.05"}, "--clock-jitter is 0.05");
+  refused({"--omega", "2", "--sample-time", "1e-9"}, "expected 1 to 1e7");
+}
+
+// The samples of a record of a loop are among the rows of that loop, and its sensors err as those of history do.
+TEST(Loop, WritesTheRecordOfARig) {
+  const auto rows_with = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"loop", "--controller", "2 + s", "--restitution", "0.6",  "--velocity2",
+                                   "0.93", "--duration",   "20",    "--every",       "0.05", "--format",
+                                   "json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto result = run_fracfit(words);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return nlohmann::json::parse(result.output)["rows"];
+  };
+  const auto record = rows_with({"--record"}), all = rows_with({}),
+             noisy = rows_with({"--record", "--sensor-noise", "0.01", "--force-noise", "0.1"});
+  std::vector<nlohmann::json> samples;
+  for (const auto& row : all)
+    if (row["event"] == "sample") samples.push_back(row);
+  ASSERT_GE(record.size(), 400U);
+  double squares = 0;
+  for (std::size_t i = 0; i < 400; ++i) {
+    for (const char* column : {"time_s", "force_n", "x1_m", "x2_m"})
+      EXPECT_NEAR(record[i][column].get<double>(), samples[i][column].get<double>(), 1e-9) << i << column;
+    squares += std::pow(noisy[i]["x1_m"].get<double>() - record[i]["x1_m"].get<double>(), 2);
+  }
+  // The mean of 400 squares scatters by sqrt(2/400), 7 %.
+  EXPECT_NEAR(std::sqrt(squares / 400), 0.01, 0.0015);
+  const auto refused = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--sensor-noise", "1"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--record"), std::string::npos) << refused.error;
 }
 
 TEST(Basins, ListsAttractorsAndTheirStarts) {

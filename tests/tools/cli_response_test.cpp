@@ -97,6 +97,37 @@ TEST(ResponseCommand, HistoryGivesTheDescribingFunctionOfSimulate) {
   EXPECT_NE(result.error.find("F cos(w t)"), std::string::npos);
 }
 
+// The whole chain: a rig of two masses with sensors that err, a stepped sine, N with its deviations, the scene.  The
+// truth lies within the 99.9 % interval of each parameter, 1.68 times that of 95 %.
+TEST(ResponseCommand, RigRecordAndResponseGiveTheScene) {
+  const TemporaryFolder folder;
+  const auto record = folder.path("rig.csv"), response = folder.path("n.csv");
+  const auto rig = run_fracfit({"history", "--force",        "40",    "--clearance",    "0.3",         "--mass2",
+                                "1.3",     "--restitution",  "0.6",   "--omega",        "18:40:10log", "--periods",
+                                "30",      "--sample-time",  "0.001", "--sensor-noise", "1e-3",        "--force-noise",
+                                "0.1",     "--quantisation", "5e-4",  "--clock-jitter", "2e-5",        "--out",
+                                record});
+  ASSERT_EQ(rig.code, 0) << rig.error;
+  const auto found = run_fracfit({"response", record, "--columns", "output=x1_m", "--out", response});
+  ASSERT_EQ(found.code, 0) << found.error;
+  EXPECT_NE(found.error.find("still settled"), std::string::npos) << found.error;
+  const auto result = run_fracfit({"identify-scene", response, "--fix", "mass1=1", "--format", "json"});
+  const auto scene = rows_of(result);
+  EXPECT_NE(result.error.find("divided by sigma, which was measured"), std::string::npos) << result.error;
+  const std::map<std::string, double> truth{{"mass2", 1.3}, {"clearance", 0.3}, {"restitution", 0.6}};
+  std::size_t determined = 0;
+  for (const auto& parameter : scene.at("parameters")) {
+    const auto exact = truth.find(parameter.at("name").get<std::string>());
+    if (exact == truth.end()) continue;
+    ++determined;
+    const double value = parameter.at("value"), lower = parameter.at("ci95")[0], upper = parameter.at("ci95")[1];
+    EXPECT_NEAR(value, exact->second, 1.68 * (upper - lower) / 2) << exact->first;
+    // 1 mm of 0.3 m over 300 samples of 25 cycles or more is 1e-4 of N; sums of it lose a factor 30 at most.
+    EXPECT_LT(upper - lower, 0.02 * exact->second) << exact->first;
+  }
+  EXPECT_EQ(determined, 3U);
+}
+
 // fit weighs with sigma and reports the noise as explained: chi squared of 2 * 60 values within four deviations.
 TEST(ResponseCommand, FitTakesTheFileAndItsDeviations) {
   const TemporaryFolder folder;
@@ -120,14 +151,53 @@ TEST(ResponseCommand, FitTakesTheFileAndItsDeviations) {
   const auto written = folder.path("g.csv");
   const auto made = run_fracfit({"response", file, "--out", written});
   ASSERT_EQ(made.code, 0) << made.error;
-  const auto fit =
+  // Measured deviations are the weight without an option.
+  const auto weighed = run_fracfit({"fit", written, "--model", "K/(T s + 1)", "--format", "json"});
+  EXPECT_NE(weighed.error.find("divided by sigma, which was measured"), std::string::npos) << weighed.error;
+  const auto fit = rows_of(weighed);
+  const auto told =
       rows_of(run_fracfit({"fit", written, "--model", "K/(T s + 1)", "--weight", "given", "--format", "json"}));
+  EXPECT_EQ(fit.at("parameters"), told.at("parameters"));
+  EXPECT_EQ(fit.at("command"), told.at("command"));
+  EXPECT_NE(rows_of(run_fracfit({"fit", written, "--model", "K/(T s + 1)", "--weight", "relative", "--format", "json"}))
+                .at("parameters"),
+            told.at("parameters"));
   EXPECT_NEAR(fit.at("cost").get<double>(), 120, 4 * std::sqrt(240.0));
   for (const auto& parameter : fit.at("parameters")) {
     const double exact = parameter.at("name") == "K" ? 5 : 0.1;
     EXPECT_NEAR(parameter.at("value").get<double>(), exact, 4 * parameter.at("standard_error").get<double>());
     EXPECT_LT(parameter.at("standard_error").get<double>(), 0.02 * exact);
   }
+}
+
+// A static cubic y = u + 0.1 u^3 under odd lines: the picture names the response, its noise and both distortions.
+TEST(ResponseCommand, DrawsResponseNoiseAndDistortion) {
+  const TemporaryFolder folder;
+  support::Random random(5);
+  std::vector<double> phases;
+  for (int k = 0; k < 20; ++k) phases.push_back(random.uniform(0, 2 * pi));
+  const auto input = [&](double i) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 20; ++k)
+      if (k % 4 != 2) sum += std::cos(phases[k] + 2 * pi * static_cast<double>(2 * k + 1) * i / 200);
+    return sum;
+  };
+  const auto file =
+      folder.write("cubic.csv", table("time_s,u,y", 2000,
+                                      {[](double i) { return 0.01 * i; }, input,
+                                       [&](double i) {
+                                         const double u = input(i);
+                                         return u + 0.01 * u * u + 0.01 * u * u * u + 0.01 * random.normal();
+                                       }}));
+  const auto picture = folder.path("cubic.svg");
+  const auto result = run_fracfit({"response", file, "--picture", picture});
+  if (result.error.find("gnuplot") != std::string::npos) GTEST_SKIP() << result.error;
+  ASSERT_EQ(result.code, 0) << result.error;
+  const std::string drawn = content_of(picture);
+  for (const char* text : {"y, noise", "y, distortion", "y, even distortion", "magnitude", "phase"})
+    EXPECT_NE(drawn.find(text), std::string::npos) << text;
+  EXPECT_EQ(drawn.find("coherence"), std::string::npos);
+  EXPECT_EQ(run_fracfit({"response", file, "--picture", folder.path("cubic.pdf")}).code, 2);
 }
 
 TEST(ResponseCommand, SaysWhatIsWrongWithARecord) {

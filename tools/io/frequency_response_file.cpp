@@ -301,6 +301,10 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
   return in_quantity(std::move(file), *options.quantity, measurement.file);
 }
 
+bool has_measured_sigma(const FrequencyResponseFile& file) {
+  return !file.data.sigma().empty() && find_value(file.metadata, sigma_key) == sigma_is_measured;
+}
+
 FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity, const std::string& name) {
   if (file.quantity == quantity) return file;
   const bool to_inverse = quantity == backlash::Quantity::minus_inverse;

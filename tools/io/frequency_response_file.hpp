@@ -17,6 +17,10 @@ namespace io {
 /// Entry of a header that tells which quantity the values are.
 constexpr std::string_view quantity_key = "quantity";
 
+/// Entry of a header that tells where the deviations in a column sigma come from, and what it says where an experiment
+/// tells them, as in the tables of `fracfit response`: they are then the whole weight of a point.
+constexpr std::string_view sigma_key = "sigma", sigma_is_measured = "measured";
+
 struct FrequencyResponseReadOptions {
   /// Column that weighs the points: a name beginning with sigma, std, standard_deviation or uncertainty holds standard
   /// deviations, any other name weights of the squared residuals (sigma = 1/sqrt(weight)).  Unset: a column named sigma
@@ -77,6 +81,9 @@ struct FrequencyResponseFile {
 /// The same of a file already recognised; `options.how` is then that of the measurement, but for its choice of a sweep.
 [[nodiscard]] FrequencyResponseFile read_frequency_response(const Measurement& measurement,
                                                             const FrequencyResponseReadOptions& options = {});
+
+/// Whether a file has deviations that were measured, see sigma_key.
+[[nodiscard]] bool has_measured_sigma(const FrequencyResponseFile& file);
 
 /// The same file with the other quantity in it, with a note: values, sigma, unit and the entry of the header.
 /// @throws DataError  no point has one, or the real part is missing.

@@ -49,4 +49,13 @@ struct TimeHistory {
                                        const RelativeState& start, int periods, int samples,
                                        std::size_t max_impacts = 1'000'000);
 
+/// The same under one frequency after the other, as a stepped sine drives a rig: the force F cos(phase) changes its
+/// frequency at its peak, after so many periods of each, without a jump.  Times count from the first peak; the frame is
+/// that of the first frequency, in which all positions and velocities are continuous but for impacts.
+/// @param omega  rad/s, each as in time_history(); not empty
+/// @throws std::invalid_argument  as time_history(), and above 1e7 samples in all.
+[[nodiscard]] TimeHistory stepped_sine_history(const TwoMassSystem& system, double force_amplitude,
+                                               const std::vector<double>& omega, const RelativeState& start,
+                                               int periods, int samples);
+
 }  // namespace backlash

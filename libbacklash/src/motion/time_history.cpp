@@ -134,4 +134,35 @@ TimeHistory time_history(const TwoMassSystem& system, double force_amplitude, do
   }
 }
 
+TimeHistory stepped_sine_history(const TwoMassSystem& system, double force_amplitude, const std::vector<double>& omega,
+                                 const RelativeState& start, int periods, int samples) {
+  if (omega.empty()) throw std::invalid_argument("omega is empty; expected at least one frequency");
+  if (static_cast<double>(omega.size()) * periods * samples > static_cast<double>(most_samples))
+    throw std::invalid_argument("samples is " + std::to_string(samples) + "; " + std::to_string(omega.size()) +
+                                " frequencies of " + std::to_string(periods) + " periods of it must be at most " +
+                                std::to_string(most_samples));
+  // The centre of mass swings about 0 at each frequency alone: where it is at a peak, which it passes without velocity.
+  const double total = system.mass1() + system.mass2();
+  const auto at_peak = [&](double w) { return -force_amplitude / (total * w * w); };
+  TimeHistory whole{{}, true, start};
+  double time = 0;
+  for (const double w : omega) {
+    const double shift = at_peak(omega.front()) - at_peak(w);
+    const TimeHistory part = time_history(system, force_amplitude, w, whole.end, periods, samples);
+    for (HistoryRow row : part.rows) {
+      // The first row of a part is the last one of the part before.
+      if (!whole.rows.empty() && row.time == 0 && row.event == HistoryEvent::sample) continue;
+      row.time += time;
+      row.x1 += shift;
+      row.x2 += shift;
+      whole.rows.push_back(row);
+    }
+    whole.end = part.end;
+    whole.complete = part.complete;
+    if (!part.complete) break;
+    time += periods * 2 * pi / w;
+  }
+  return whole;
+}
+
 }  // namespace backlash

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "records/estimators.hpp"
+#include "records/settling.hpp"
 #include "special/distributions.hpp"
 
 namespace frac::detail {
@@ -33,6 +37,12 @@ int subharmonic_of(const PeriodLines& found, std::size_t output) {
     }
   }
   return 1;
+}
+
+/// A point with a flag has no deviation.
+void mark_unusable(ResponsePoint& point, const std::string& flag) {
+  point.flag = flag;
+  point.sigma = point.sigma_re = point.sigma_im = point.noise = std::numeric_limits<double>::quiet_NaN();
 }
 
 ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmonics) {
@@ -70,15 +80,31 @@ ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmoni
 Estimated stepped_sine_response(const Record& record, const std::vector<SineSegment>& segments, int harmonics) {
   Estimated estimated;
   estimated.outputs.resize(record.outputs().size());
+  std::size_t shortened = 0, longest_cut = 0;
   for (const SineSegment& segment : segments) {
-    const Record part = record.part(segment.first, segment.count);
+    const Record whole = record.part(segment.first, segment.count);
+    const Settling settling = settling_of(whole, segment.period);
+    const auto cut = static_cast<std::size_t>(std::ceil(static_cast<double>(settling.cut) * segment.period));
+    const Record part = whole.part(cut, segment.count - cut);
+    shortened += settling.cut > 0 ? 1 : 0;
+    longest_cut = std::max(longest_cut, settling.cut);
     // Multiples of 2 and 3 have lines at half and at a third of the frequency.
-    const std::size_t multiple = static_cast<double>(segment.count) > 18 * segment.period ? 6 : 2;
+    const std::size_t multiple = static_cast<double>(part.size()) > 18 * segment.period ? 6 : 2;
     const PeriodLines found = period_lines(part, segment.period, static_cast<std::size_t>(harmonics), multiple);
-    for (std::size_t output = 0; output < estimated.outputs.size(); ++output)
-      estimated.outputs[output].push_back(point_of(found, output, harmonics));
+    for (std::size_t output = 0; output < estimated.outputs.size(); ++output) {
+      auto& points = estimated.outputs[output];
+      points.push_back(point_of(found, output, harmonics));
+      if (settling.changes_after > 0)
+        mark_unusable(points.back(), "the motion is not steady: it changes after cycle " +
+                                         std::to_string(settling.changes_after) + " of " +
+                                         std::to_string(settling.cycles));
+    }
     estimated.periods += static_cast<double>(found.periods);
   }
+  if (shortened > 0)
+    estimated.remarks.push_back("the first cycles of " + std::to_string(shortened) + " of " +
+                                std::to_string(segments.size()) + " segments, at most " + std::to_string(longest_cut) +
+                                ", are left out: the motion still settled");
   return estimated;
 }
 

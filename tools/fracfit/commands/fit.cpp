@@ -206,6 +206,8 @@ class Fit : public Command {
     const auto file = read_data(request_, note);
     settle_component(request_, options(), file.data,
                      [&](const std::string& text) { say(request_.data + ": " + text); });
+    settle_weight(request_, options(), file, [&](const std::string& text) { say(request_.data + ": " + text); });
+    wanted.weight = fit_options(request_).weight;
     if (is_component_law()) {
       chosen_ = law_of(request_.component);
       chosen_.constraints = constraints_of(chosen_, parameters_);

@@ -203,6 +203,8 @@ class Identify : public Command {
     const auto file = read_data(request_, note);
     settle_component(request_, options(), file.data,
                      [&](const std::string& text) { say(request_.data + ": " + text); });
+    settle_weight(request_, options(), file, [&](const std::string& text) { say(request_.data + ": " + text); });
+    fit.weight = fit_options(request_).weight;
     fit.component = request_.component;
     check_folds(file.data.size());
     auto points = screened(request_, file.data, note);

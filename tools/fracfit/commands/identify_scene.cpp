@@ -12,6 +12,7 @@
 #include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
 #include "options/data_options.hpp"
+#include "options/fit_request.hpp"
 #include "options/loop_options.hpp"
 #include "options/model_choice.hpp"
 #include "output/identify_scene_output.hpp"
@@ -55,7 +56,8 @@ class IdentifyScene : public Command {
     o.choice("--component", scene_.component,
              std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary});
     o.choice("--weight", scene_.weight, std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute},
-             "relative |data|; given the files' sigma or weight column; absolute nothing");
+             "relative |data|; given the files' sigma or weight column, without it that of tables of fracfit response; "
+             "absolute nothing");
     o.choice("--contact", scene_.contact, backlash::contact_models(),
              "auto and compliant estimate the contact time; auto holds for hard contacts too")
         .not_with({"--load-receptance"}, "which knows hard contacts only")
@@ -132,9 +134,21 @@ class IdentifyScene : public Command {
     return *value;
   }
 
+  // x1 or x2, as the file names what was measured; empty where it has another name for it.
+  static std::string body_of(const io::FrequencyResponseFile& file) {
+    const std::string name{io::find_value(file.metadata, "output").value_or(std::string_view{})};
+    for (const auto output : backlash::outputs()) {
+      const std::string body(backlash::to_string(output));
+      // `response` gives the column of the record, such as x1_m.
+      if (name == body || name == body + "_m") return body;
+    }
+    return {};
+  }
+
   // Reads the files; completes the curves, their force amplitudes and the body measured.
   std::vector<backlash::MeasuredDescribingFunction> read(SceneRun& run) {
     std::vector<backlash::MeasuredDescribingFunction> curves;
+    bool all_measured = true;
     std::string body = body_ ? std::string(backlash::to_string(*body_)) : "";
     for (const auto& [name, rows] : sources()) {
       reading_.rows = rows;
@@ -142,13 +156,14 @@ class IdentifyScene : public Command {
       for (const auto& note : file.notes) say(name + ": " + note);
       if (scene_.weight == frac::Weight::given && file.data.sigma().empty())
         throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
+      all_measured = all_measured && io::has_measured_sigma(file);
       // Masses come out in kg only of metres per newton.
       const auto& unit = file.value_unit;
       if (unit.empty()) say(name + ": the names of its columns give no unit; the values are taken as m/N");
       if (!unit.empty() && unit != "m/N" && unit != "m_per_n" && unit != "m_per_N")
         throw io::DataError(name, 0, 0,
                             "has values in " + io::quoted(unit) + "; expected a motion over a force in m/N");
-      const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
+      const std::string measured = body_of(file);
       if (!measured.empty() && body.empty()) body = measured;
       if (!measured.empty() && measured != body)
         throw std::invalid_argument(name + " is of " + measured + ", not of " + body +
@@ -156,6 +171,11 @@ class IdentifyScene : public Command {
       run.files.push_back(name);
       run.forces.push_back(force_of(curves.size(), name, file));
       curves.push_back({std::move(file.data), run.forces.back()});
+    }
+    if (all_measured && !options()["--weight"].is_given()) {
+      scene_.weight = frac::Weight::given;
+      options()["--weight"].say(std::string(to_string(scene_.weight)));
+      say(weighed_by_measured_sigma);
     }
     scene_.output = backlash::output_from_string(body.empty() ? "x1" : body);
     return curves;

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "backlash/loops/simulate_loop.hpp"
 #include "backlash/loops/simulate_sampled_loop.hpp"
 #include "commands/subcommand.hpp"
 #include "io/time_series_file.hpp"
 #include "options/loop_options.hpp"
+#include "options/record_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 
@@ -52,6 +55,9 @@ class LoopCommand : public Command {
     const char* const has_line = "whose set-point is a step and a ramp";
     for (const char* name : {"--setpoint-sine", "--setpoint-file"}) o[name].not_with({"--sample-time"}, has_line);
     o["--tolerance"].not_with({"--whole-memory"}, "which is exact");
+    o.flag("--record", is_record_, "Write a record as a rig does: time, force and positions every DT, no events")
+        .not_with({"--sample-time"}, "whose rows are the samples of its computer");
+    record_.add(o, "--record");
     add_common({"csv", "json", "table"});
     set_footer(
         "Both bodies have rested at 0, in the middle of the clearance, until t = 0. Powers of whole order are exact; "
@@ -59,6 +65,9 @@ class LoopCommand : public Command {
         "fractional ones the error reached stands in the head.\n"
         "Column event: sample, before-impact, after-impact; contact: the bodies stay together from there on, release: "
         "until there.\n"
+        "With --record the output is one for fracfit response: columns time_s, force_n, x1_m, x2_m every DT, as "
+        "sensors\n"
+        "read them.\n"
         "Examples:\n"
         "  fracfit loop --controller '1 + s^0.5' --restitution 0.6 --velocity2 1 --duration 60\n"
         "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --setpoint-step 1 --every 0.05 --out "
@@ -77,7 +86,28 @@ class LoopCommand : public Command {
     return {number_of(name, amplitude), number_of(name, omega)};
   }
 
-  void check() override { loop_.check(); }
+  void check() override {
+    loop_.check();
+    record_.check(options());
+    if (is_record_ && !(options_of_run_.sample_time > 0))
+      throw std::invalid_argument("--every " + options()["--every"].text() +
+                                  ": a record needs the time between its samples, above 0");
+  }
+
+  /// The force runs straight between rows.
+  static backlash::RigMotion motion_of(const std::vector<backlash::LoopRow>& rows) {
+    backlash::RigMotion motion;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      motion.x1.add(rows[i].time, rows[i].x1, rows[i].v1);
+      motion.x2.add(rows[i].time, rows[i].x2, rows[i].v2);
+      if (i == 0) continue;
+      const double length = rows[i].time - rows[i - 1].time;
+      const double rate = length > 0 ? (rows[i].force - rows[i - 1].force) / length : 0;
+      motion.force.add(rows[i - 1].time, rows[i - 1].force, rate);
+      motion.force.add(rows[i].time, rows[i].force, rate);
+    }
+    return motion;
+  }
 
   void write_rows(const std::vector<backlash::LoopRow>& rows, const io::Metadata& head) {
     Document document{head, {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event"}, rows.size(), {}}};
@@ -116,6 +146,10 @@ class LoopCommand : public Command {
       }
     }
     const backlash::ControlLoop loop = loop_.loop();
+    const double every = options_of_run_.sample_time;
+    // Between rows a record takes cubics, which err by the fourth power of their length.
+    constexpr int rows_per_sample = 8;
+    if (is_record_) options_of_run_.sample_time = every / rows_per_sample;
     const backlash::LoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
     io::Metadata head{{"impacts", std::to_string(history.impacts.size())},
                       {"end", std::string(backlash::to_string(history.end))},
@@ -123,7 +157,10 @@ class LoopCommand : public Command {
     if (history.realisation_error > 0) {
       head.emplace_back("realisation_error", io::format_number(history.realisation_error));
     }
-    write_rows(history.rows, head);
+    if (is_record_)
+      write(text_of({head, record_.rows(motion_of(history.rows), every), {}}, format(), command_line()));
+    else
+      write_rows(history.rows, head);
     if (history.end == backlash::LoopEnd::rest) {
       say("ended where the bodies come to rest in contact, which is not followed " +
           std::string(options_of_run_.whole_memory ? "with the whole memory" : "with a dead time"));
@@ -147,6 +184,8 @@ class LoopCommand : public Command {
   backlash::SetPoint set_point_;
   backlash::LoopSimulationOptions options_of_run_;
   backlash::SampledLoopOptions sampled_;
+  bool is_record_ = false;
+  RecordOptions record_;
 };
 
 }  // namespace

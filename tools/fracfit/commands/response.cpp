@@ -13,8 +13,11 @@
 
 #include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
+#include "io/frequency_response_file.hpp"
 #include "io/record_file.hpp"
 #include "output/document.hpp"
+#include "report/picture.hpp"
+#include "report/response_figure.hpp"
 
 namespace fracfit {
 namespace {
@@ -48,15 +51,17 @@ class Response : public Command {
     o.count("--harmonics", choice_.harmonics, 1, 1000,
             "Harmonics of the output under a stepped sine, the first included", "H")
         .not_with({"--excitation", {"periodic", "arbitrary"}}, "whose lines mix");
+    o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending: response, noise, distortion",
+           "FILE");
     add_common({"csv", "json", "table"});
     set_footer(
         "Periodic: whole periods as one Fourier sum, transient and noise by the lines between those of the period.\n"
         "Stepped sine: the same segment by segment, with harmonics: a describing function, its force in the head.\n"
         "Arbitrary (random, swept, step): the local polynomial method; h1 is the usual windowed estimate beside it.\n"
         "sigma is the standard deviation of each part, noise and distortion together: +-1.98 sigma hold 95 %.  Points\n"
-        "without it are left out and named in the head.  fit --weight given takes the file and weighs with sigma.\n"
+        "without it are left out and named in the head.  fit, identify and identify-scene weigh the file with it.\n"
         "Examples:\n"
-        "  fracfit response record.csv --out n.csv\n"
+        "  fracfit response record.csv --out n.csv --picture n.svg\n"
         "  fracfit response bench.mat --columns input=iq_adx,output=theta_mx --sample-time 4e-4 --out motor.csv\n"
         "  fracfit response r1.csv r2.csv r3.csv --columns time=1,input=2,output=3 --format json");
   }
@@ -65,6 +70,12 @@ class Response : public Command {
   void check() override {
     if (read_.sample_time && !(*read_.sample_time > 0 && std::isfinite(*read_.sample_time)))
       throw std::invalid_argument("--sample-time " + options()["--sample-time"].text() + ": allowed is above 0");
+    if (picture_.empty()) return;
+    try {
+      drawing_.emplace(picture_, options().input_files());
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--picture: ") + error.what());
+    }
   }
 
   /// Rows of all outputs that have a deviation, in order of frequency.
@@ -165,6 +176,7 @@ class Response : public Command {
     head.emplace_back("sample_time_s", io::format_number(file.record.sample_time()));
     if (found.excitation == frac::Excitation::periodic) head.emplace_back("period_s", io::format_number(found.period));
     if (found.excitation != frac::Excitation::arbitrary) head.emplace_back("periods", io::format_number(found.periods));
+    head.emplace_back(io::sigma_key, io::sigma_is_measured);
     if (found.realisations > 1) head.emplace_back("realisations", std::to_string(found.realisations));
     for (const auto& remark : found.remarks) head.emplace_back("remark", remark);
     if (!table.left_out.empty()) {
@@ -250,6 +262,7 @@ class Response : public Command {
     };
     if (format() == "table") keep_for_people(document.rows);
     write(text_of(document, format(), command_line()));
+    if (drawing_) drawing_->write(report::response_figure(found, first->outputs, first->units.front()));
     return usable_result;
   }
 
@@ -273,6 +286,8 @@ class Response : public Command {
   }
 
   std::vector<std::string> files_;
+  std::string picture_;
+  std::optional<report::PictureFile> drawing_;
   io::RecordReadOptions read_;
   frac::ResponseOptions choice_;
 };

@@ -54,7 +54,7 @@ void add_residual_options(Options& options, FitRequest& request) {
             "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
             "smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of the magnitude ratio and "
             "angle; repeats: the spread of repeated values at each frequency; learned: relative above a floor that the "
-            "residuals tell, absolute below it")
+            "residuals tell, absolute below it; without it tables of fracfit response are weighed by their sigma")
       .suggest(spellings(frac::weights()));
   options.choice("--loss", request.loss, frac::losses(), "Robust loss", "LOSS");
   const Condition rational{"--realisation", {"oustaloup", "ladder"}}, sampled{"--realisation", {"grunwald-letnikov"}};
@@ -150,6 +150,14 @@ void settle_component(FitRequest& request, Options& options, const frac::Frequen
   request.component = fitted;
   options["--component"].say(std::string(frac::to_string(fitted)));
   note(std::string(frac::imaginary_part_alone));
+}
+
+void settle_weight(FitRequest& request, Options& options, const io::FrequencyResponseFile& file,
+                   const std::function<void(const std::string&)>& note) {
+  if (options["--weight"].is_given() || !io::has_measured_sigma(file)) return;
+  request.weight = frac::to_string(frac::Weight::given);
+  options["--weight"].say(request.weight);
+  note(weighed_by_measured_sigma);
 }
 
 std::string where_text(const FitRequest& request) {

@@ -62,6 +62,13 @@ void add_outliers(Options& options, FitRequest& request);
 void settle_component(FitRequest& request, Options& options, const frac::FrequencyResponseData& data,
                       const std::function<void(const std::string&)>& note);
 
+/// Takes --weight given where it was not told and the data have deviations that were measured; `note` is told so.
+void settle_weight(FitRequest& request, Options& options, const io::FrequencyResponseFile& file,
+                   const std::function<void(const std::string&)>& note);
+/// What is said then.
+constexpr const char* weighed_by_measured_sigma =
+    "residuals are divided by sigma, which was measured; --weight says otherwise";
+
 /// Tests of --where as one text, the entry that outputs show.
 [[nodiscard]] std::string where_text(const FitRequest& request);
 

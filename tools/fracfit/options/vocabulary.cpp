@@ -30,6 +30,13 @@ const Meaning& meaning_of(std::string_view name) {
       {"--position", "Y", "x2 - x1 where the force is at its peak, m: 0 at one wall, the clearance at the other"},
       {"--velocity", "V", "x2' - x1' there, m/s"},
       {"--criterion", "C", "What counts as the jump"},
+      // Records as a rig writes them.
+      {"--sensor-noise", "S", "Standard deviation of white noise on positions, m"},
+      {"--force-noise", "S", "Standard deviation of white noise on the force, N"},
+      {"--quantisation", "Q", "Step of the converter of positions, m; 0: none"},
+      {"--clip", "X", "Largest absolute position that is read, m"},
+      {"--sensor-delay", "T", "Positions are read so late, s"},
+      {"--clock-jitter", "T", "Standard deviation of the instants of samples, s, up to a tenth of their distance"},
       // Models and approximations.
       {"--model", "MODEL", "Formula of s, e.g. '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)'"},
       {"--band", "LOW:HIGH", "Frequency band, rad/s"},
@@ -63,7 +70,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--dead-time", "yes|no", "Whether the system has a dead time"},
       {"--passive", "", "The data are an immittance of a passive system, whose real part is nowhere negative"},
       {"--where", "TEST", "Use only points that satisfy a comparison with a number; repeatable"},
-      {"--seed", "N", "Seed of the random search; same seed, same result"},
+      {"--seed", "N", "Seed of random numbers; same seed, same result"},
       // Every command.
       {"--shard", "i/n",
        "Work on every n-th piece only, from the i-th; auto or auto/n: as a batch system or MPI launcher says; {shard} "
