@@ -75,7 +75,8 @@ def mathml(tex, display):
     found = re.search(r"<math.*</math>", done.stdout, re.DOTALL)
     if done.returncode or not found:
         raise RuntimeError(f"pandoc cannot convert {tex}: {done.stderr}")
-    return found[0]
+    # Parentheses grow where TeX asks for it with \\left alone.
+    return found[0] if "\\left" in tex else found[0].replace('stretchy="true"', 'stretchy="false"')
 
 
 def visit_formula(writer, node):
