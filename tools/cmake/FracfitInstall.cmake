@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Two components, each with its own export set: `core`, which needs the C++ runtime and threads only, and `fitting`, which needs
 # Ceres and NLopt besides, so that a controller configures on a machine without them.  `fitting` needs `core` installed too.
+# Component `c`, libfracfit and fracfit.h, needs neither.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/fracfit)
 
@@ -37,6 +38,9 @@ endfunction()
 fracfit_install_pkg_config(fracfit-core core)
 if(FRAC_BUILD_FITTING)
   fracfit_install_pkg_config(fracfit fitting)
+endif()
+if(FRACFIT_C)
+  fracfit_install_pkg_config(fracfit-c c)
 endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/fracfitConfig.cmake.in ${PROJECT_BINARY_DIR}/fracfitConfig.cmake
                               INSTALL_DESTINATION ${package_dir})

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Settings of the site that tools/make-docs builds.
+import functools
 import os
 import re
+import subprocess
 import sys
 
 from docutils import nodes
@@ -22,7 +24,8 @@ strip_signature_backslash = True  # "lambda_" keeps its underscore
 default_role = "py:obj"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["generate"]
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["deflist", "dollarmath"]
+html_math_renderer = "mathml"
 myst_heading_anchors = 3
 smartquotes = False  # "--model" is no dash
 html_theme = "furo"
@@ -63,6 +66,27 @@ def keep_numbers_whole(app, doctree, page):
             text.parent.replace(text, list(pieces))
 
 
+@functools.lru_cache(maxsize=None)
+def mathml(tex, display):
+    """A formula as MathML, which browsers draw without a script and without network; pandoc refuses what it cannot convert."""
+    text = f"$${tex}$$" if display else f"${tex}$"
+    command = ["pandoc", "--from", "markdown", "--to", "html", "--mathml", "--fail-if-warnings"]
+    done = subprocess.run(command, input=text, capture_output=True, text=True)
+    found = re.search(r"<math.*</math>", done.stdout, re.DOTALL)
+    if done.returncode or not found:
+        raise RuntimeError(f"pandoc cannot convert {tex}: {done.stderr}")
+    # Parentheses grow where TeX asks for it with \\left alone.
+    return found[0] if "\\left" in tex else found[0].replace('stretchy="true"', 'stretchy="false"')
+
+
+def visit_formula(writer, node):
+    display = isinstance(node, nodes.math_block)
+    formula = mathml(" ".join(node.astext().split()), display)
+    writer.body.append(f'<div class="formula">{formula}</div>' if display else formula)
+    raise nodes.SkipNode
+
+
 def setup(app):
+    app.add_html_math_renderer("mathml", inline_renderers=(visit_formula, None), block_renderers=(visit_formula, None))
     app.add_lexer("console", TerminalLexer)
     app.connect("doctree-resolved", keep_numbers_whole)
