@@ -118,7 +118,8 @@ TEST(TimeFit, WhatIsWrongIsNamed) {
   }
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--loss", "hubert"}, 2, "none, huber or cauchy");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--where", "omega<4"}, 2, "t (s), input or output");
-  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--hold", "second"}, 2, "zero-order or first-order");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--hold", "second"}, 2,
+                 "zero-order, first-order or band-limited");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--offset", "some"}, 2, "--offset");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--weight", "given"}, 3, "no column sigma");
   expect_failure({"fit", good, "--model", "a/(b s^c + d s^e + f)"}, 2, "4 samples");
@@ -238,4 +239,41 @@ TEST(TimeFit, WhatFitsOverFrequencyOfferIsThereOverTime) {
   EXPECT_EQ(ranking["verdict"], "not-supported");
   EXPECT_EQ(ranking["ranking"].size(), 2u);  // K/(1 + T s)^b is no ratio of sums of powers
   EXPECT_GT(ranking["ranking"][0]["prediction_rms"], 0);
+}
+
+// A multisine of 3.4 samples per period of its highest line in the steady state: the parameters come back to the digits
+// of the solver, and under any other hold the answer names the option.
+TEST(TimeFit, ABandLimitedInputIsAnsweredExactly) {
+  const TemporaryFolder folder;
+  const auto drive = run_fracfit(
+      {"multisine", "--band", "1:18", "--period", "6.8", "--sample-time", "0.1", "--lines", "full", "--periods", "2"});
+  ASSERT_EQ(drive.code, 0) << drive.error;
+  const std::string input = folder.write("drive.csv", drive.output);
+  const auto response =
+      run_fracfit({"respond", "--model", "2/(1.5 s^0.7 + 1)", "--input", input, "--hold", "band-limited"});
+  ASSERT_EQ(response.code, 0) << response.error;
+  std::string text = "time_s,input,output\n";
+  std::istringstream inputs(drive.output), outputs(response.output);
+  support::Random random(1);
+  for (std::string in, out; std::getline(inputs, in);) {
+    if (in[0] == '#' || in[0] == 't') continue;
+    do std::getline(outputs, out);
+    while (out[0] == '#' || out[0] == 't');
+    const double value = std::stod(out.substr(out.find(',') + 1)) + 0.005 * random.normal();
+    text += in + "," + std::to_string(value) + "\n";
+  }
+  const std::string file = folder.write("record.csv", text);
+  const auto exact = run_fracfit({"fit", file, "--model", "K/(T s^a + 1)", "--hold", "band-limited"});
+  ASSERT_EQ(exact.code, 0) << exact.error;
+  const Json json = Json::parse(exact.output);
+  for (const auto& parameter : json["parameters"]) {
+    const std::string name = parameter["name"];
+    if (name == "offset") continue;
+    const double truth = name == "K" ? 2 : name == "T" ? 1.5 : 0.7;
+    // Four standard errors.
+    EXPECT_NEAR(parameter["value"].get<double>(), truth, 4 * parameter["standard_error"].get<double>()) << name;
+  }
+  EXPECT_NE(json["message"].get<std::string>().find("repeats itself every 6.8 s"), std::string::npos) << exact.output;
+  const auto straight = run_fracfit({"fit", file, "--model", "K/(T s^a + 1)", "--hold", "first-order"});
+  EXPECT_NE(straight.output.find("--hold band-limited"), std::string::npos) << straight.output;
 }

@@ -6,6 +6,7 @@
 
 #include "base/short_text.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/hold_advice.hpp"
 #include "identification/time_scout.hpp"
 
 namespace frac::detail {
@@ -45,6 +46,14 @@ Better best_with(const TimeResponseData& data, const TimeFitOptions& background,
 
 void add_background_advice(const TimeResponseData& data, const TimeFitOptions& options, IdentificationResult& result) {
   const RankedFit& chosen = result.ranking.at(result.chosen);
+  TimeFitOptions of_chosen = options;
+  of_chosen.constraints.insert(of_chosen.constraints.end(), chosen.model.constraints.begin(),
+                               chosen.model.constraints.end());
+  if (const std::optional<HoldAdvice> other =
+          hold_advice(data, Structure(chosen.model.formula), of_chosen, chosen.fit)) {
+    result.notes.push_back(other->sentence);
+    add_advice(other->advice, result.advice);
+  }
   if (!chosen.from_family || options.trend || options.earlier_input) return;
   TimeFitOptions trend = options, motion = options;
   trend.trend = motion.earlier_input = true;

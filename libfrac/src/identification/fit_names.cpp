@@ -50,10 +50,13 @@ constexpr detail::Spellings<GrowthFamily, 7> family_names = {{
     {GrowthFamily::elements, "elements"},
 }};
 
-constexpr detail::Spellings<Remedy, 3> remedy_names{{
+constexpr detail::Spellings<Remedy, 6> remedy_names{{
     {Remedy::give_limits, "give-limits"},
     {Remedy::estimate_trend, "estimate-trend"},
     {Remedy::estimate_earlier_input, "estimate-earlier-input"},
+    {Remedy::hold_zero_order, "hold-zero-order"},
+    {Remedy::hold_first_order, "hold-first-order"},
+    {Remedy::hold_band_limited, "hold-band-limited"},
 }};
 
 }  // namespace

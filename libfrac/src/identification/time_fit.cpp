@@ -13,10 +13,12 @@
 #include "base/counted.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
+#include "identification/hold_advice.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/start_values.hpp"
 #include "identification/search/time_search.hpp"
@@ -329,6 +331,13 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
   return detail::counted(solution.starts_at_best, "start") + " ended at the lowest cost; " + solves;
 }
 
+// What was taken as the period of the input.
+std::string steady_state_text(const detail::PeriodicInput& input, const TimeResponseData& data) {
+  if (!input.repeats()) return " Nothing in the input repeats itself: the record counts as one period.";
+  const double step = length_of(data) / static_cast<double>(data.size() - 1);
+  return " Steady state of an input that repeats itself every " + detail::four_digits(input.period() * step) + " s.";
+}
+
 /// @param hopeless  see time_search()
 FitResult fit_record(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted,
                      double hopeless, double settled = detail::LocalOptions{}.cost_tolerance) {
@@ -376,6 +385,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   }
   const detail::Confidence found = weighed_confidence(problem, best, local);
   result.message = ending(solution, best.cost <= residuals.rounding_cost());
+  if (problem.periodic()) result.message += steady_state_text(*problem.periodic(), data);
   const std::string unseen = unseen_model(structure, map, data, found, best.theta);
   if (!unseen.empty()) {
     describe_failure(result, structure, map, unseen);
@@ -406,7 +416,12 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
 FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
   FitResult result = fit_record(data, structure, options, std::numeric_limits<double>::infinity());
   if (!options.global_start) return result;
-  return detail::no_worse_than_contained(data, structure, options, std::move(result));
+  result = detail::no_worse_than_contained(data, structure, options, std::move(result));
+  if (std::optional<detail::HoldAdvice> other = detail::hold_advice(data, structure, options, result)) {
+    result.message += " " + other->sentence;
+    detail::add_advice(other->advice, result.advice);
+  }
+  return result;
 }
 
 FitResult detail::refit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
@@ -449,9 +464,9 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
   std::vector<double> output(data.size(), nan);
   std::vector<std::size_t> all(data.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  const auto events = detail::event_response(data, all);
+  const detail::RecordResponse response(data, all, detail::periodic_input(data));
   detail::EventResponse::Result model;
-  if (!events.evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model))
+  if (!response.evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model))
     return output;
   for (std::size_t i = 0; i < output.size(); ++i) {
     output[i] = model.value[static_cast<Eigen::Index>(i)] + offset + drift * (data.time()[i] - data.time().front());

@@ -6,9 +6,10 @@
 namespace frac {
 namespace {
 
-constexpr detail::Spellings<Hold, 2> hold_names = {{
+constexpr detail::Spellings<Hold, 3> hold_names = {{
     {Hold::zero_order, "zero-order"},
     {Hold::first_order, "first-order"},
+    {Hold::band_limited, "band-limited"},
 }};
 
 }  // namespace

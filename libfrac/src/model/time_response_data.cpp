@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/number_text.hpp"
+#include "model/even_steps.hpp"
 
 namespace frac {
 namespace {
@@ -63,8 +64,19 @@ TimeResponseData::TimeResponseData(std::vector<double> time, std::vector<double>
     refuse("the input is " + detail::number_text(input_at_rest_) +
            " throughout, as at rest; nothing drives the system");
   }
+  if (hold_ == Hold::band_limited) check_repeating();
   observed_.resize(count);
   std::iota(observed_.begin(), observed_.end(), std::size_t{0});
+}
+
+void TimeResponseData::check_repeating() const {
+  if (const std::optional<std::size_t> at = detail::first_uneven(time_)) {
+    refuse(entry("time", *at, time_[*at]) + " s leaves the even steps of " +
+           detail::number_text((time_.back() - time_.front()) / static_cast<double>(size() - 1)) +
+           " s that a band-limited input needs");
+  }
+  if (std::all_of(input_.begin(), input_.end(), [this](double value) { return value == input_.front(); }))
+    refuse("the input does not change; a band-limited input that repeats itself needs a line besides its mean");
 }
 
 TimeResponseData TimeResponseData::observed_at(std::vector<std::size_t> index) const {

@@ -37,7 +37,8 @@ ChirpTransform::ChirpTransform(std::size_t samples, double length, std::size_t c
   fft.fwd(kernel_, shifted);
 }
 
-std::vector<std::complex<double>> ChirpTransform::operator()(const double* signal) const {
+template <class Value>
+std::vector<std::complex<double>> ChirpTransform::transformed(const Value* signal) const {
   throw_if_cancelled();
   std::vector<std::complex<double>> time(kernel_.size()), spectrum;
   for (std::size_t m = 0; m < samples_; ++m) time[m] = signal[m] * chirp_[m];
@@ -49,6 +50,14 @@ std::vector<std::complex<double>> ChirpTransform::operator()(const double* signa
   const double scale = 2 / static_cast<double>(samples_);
   for (std::size_t k = 0; k < count_; ++k) result[k] = scale * time[k] * chirp_[k];
   return result;
+}
+
+std::vector<std::complex<double>> ChirpTransform::operator()(const double* signal) const {
+  return transformed(signal);
+}
+
+std::vector<std::complex<double>> ChirpTransform::operator()(const std::complex<double>* signal) const {
+  return transformed(signal);
 }
 
 }  // namespace frac::detail

@@ -15,8 +15,12 @@ class ChirpTransform {
   ChirpTransform(std::size_t samples, double length, std::size_t count);
 
   [[nodiscard]] std::vector<std::complex<double>> operator()(const double* signal) const;
+  [[nodiscard]] std::vector<std::complex<double>> operator()(const std::complex<double>* signal) const;
 
  private:
+  template <class Value>
+  [[nodiscard]] std::vector<std::complex<double>> transformed(const Value* signal) const;
+
   std::size_t samples_, count_;
   std::vector<std::complex<double>> chirp_;   // exp(-pi j m^2/length)
   std::vector<std::complex<double>> kernel_;  // transform of its conjugate

@@ -527,6 +527,10 @@ LoopResponse respond_closed_loop(const FractionalTransferFunction& forward, cons
     const TimeResponse response = respond(closed_ratio(forward, loop), input, time, tolerance);
     return {response.output, response.error_estimate, response.meets_tolerance, 0, 0};
   }
+  if (const auto* sampled = std::get_if<SampledInput>(&input); sampled && sampled->hold == Hold::band_limited) {
+    throw std::invalid_argument(
+        "closed loop: hold = band-limited has no meaning around a dead time; allowed are zero-order and first-order");
+  }
   const double excess = detail::order_at_infinity(loop);
   if (excess > 0 && !keeps_gain(loop)) {
     throw std::invalid_argument("closed loop: |L| grows as omega^" + detail::short_text(excess) +

@@ -56,6 +56,11 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
     throw std::invalid_argument("respond: horizon = " + detail::number_text(horizon) +
                                 " samples; allowed is 1 to 1e12");
   }
+  if (hold == Hold::band_limited) {
+    throw std::invalid_argument(
+        "respond: hold = band-limited takes all of its input at once; sample by sample allowed are zero-order and "
+        "first-order");
+  }
   const double high_order = order_at_infinity(model);
   if (high_order > 0) {
     throw std::invalid_argument("respond: the model grows as s^" + detail::number_text(high_order) +

@@ -16,7 +16,9 @@
 #include "event_response.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/model/algebra.hpp"
+#include "frac/model/time_response_data.hpp"
 #include "sample_checks.hpp"
+#include "steady_response.hpp"
 
 namespace frac {
 namespace {
@@ -399,6 +401,23 @@ TimeResponse by_cheapest(const FractionalTransferFunction& model, const TimeInpu
   return is_better ? *second : *first;
 }
 
+// The periodic steady state, exact but for rounding: a Fourier sum of n samples and a sum over its lines round by about
+// as many last digits as they have halvings.
+TimeResponse by_lines(const FractionalTransferFunction& model, const SampledInput& input, std::span<const double> time,
+                      double tolerance, ResponseMethod method) {
+  if (method != ResponseMethod::automatic && method != ResponseMethod::reference) {
+    refuse("method " + std::string(to_string(method)) +
+           " runs from rest; the steady state of a band-limited input takes auto or reference");
+  }
+  const TimeResponseData checked(input.time, input.value, std::vector<double>(input.time.size(), 0.0), {}, input.hold);
+  TimeResponse response{detail::steady_response(model, {checked.time(), checked.input()}, time),
+                        ResponseMethod::reference, 0, true};
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  response.error_estimate = eps * (10 + std::log2(static_cast<double>(input.time.size()))) * largest(response.output);
+  response.meets_tolerance = response.error_estimate <= tolerance * largest(response.output);
+  return response;
+}
+
 }  // namespace
 
 std::string_view to_string(ResponseMethod method) noexcept {
@@ -417,6 +436,8 @@ std::span<const ResponseMethod> response_methods() {
 TimeResponse respond(const FractionalTransferFunction& model, const TimeInput& input, std::span<const double> time,
                      double tolerance, ResponseMethod method) {
   check(input, time, tolerance);
+  const auto* const sampled = std::get_if<SampledInput>(&input);
+  if (sampled && sampled->hold == Hold::band_limited) return by_lines(model, *sampled, time, tolerance, method);
   const EvenSamples even = even_samples(input, time);
   if (method == ResponseMethod::automatic) return by_cheapest(model, input, even, time, tolerance);
   const bool steps_along =

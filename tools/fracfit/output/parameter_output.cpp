@@ -72,6 +72,15 @@ std::string with_advice(std::string message, const std::vector<frac::Advice>& ad
       case frac::Remedy::estimate_earlier_input:
         message += " --earlier-input estimates the input before the record.";
         break;
+      case frac::Remedy::hold_zero_order:
+        message += " --hold zero-order takes the input so.";
+        break;
+      case frac::Remedy::hold_first_order:
+        message += " --hold first-order takes the input so.";
+        break;
+      case frac::Remedy::hold_band_limited:
+        message += " --hold band-limited takes the input so.";
+        break;
     }
   }
   return message;

@@ -342,8 +342,9 @@ class TimeSeries(_Samples):
         What drove the system and what it answered.
     sigma : array_like, optional
         Standard deviation of each output, > 0.
-    hold : {"zero-order", "first-order"}
-        How the input runs between samples: constant, or straight to the next.
+    hold : {"zero-order", "first-order", "band-limited"}
+        How the input runs between samples: constant, straight to the next, or as the band-limited signal that repeats
+        itself for ever, with the output in its periodic steady state (even steps).
     input_at_rest : float
         Input before the first sample, long enough for the output to have settled.
 
@@ -367,8 +368,8 @@ class TimeSeries(_Samples):
         kept: Any = None,
         metadata: Mapping[str, str] | None = None,
     ) -> None:
-        if hold not in ("zero-order", "first-order"):
-            raise ValueError(f"hold is {hold!r}; expected zero-order or first-order")
+        if hold not in ("zero-order", "first-order", "band-limited"):
+            raise ValueError(f"hold is {hold!r}; expected zero-order, first-order or band-limited")
         time = real_array(time, "time")
         input = real_array(input, "input")
         output = real_array(output, "output")

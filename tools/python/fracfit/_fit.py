@@ -38,6 +38,9 @@ _REMEDIES = {
     "give-limits": "Others are given by bounds={{{0!r}: (lower, upper)}}.",
     "estimate-trend": "trend=True estimates a drift.",
     "estimate-earlier-input": "earlier_input=True estimates the input before the record.",
+    "hold-zero-order": "hold='zero-order' takes the input so.",
+    "hold-first-order": "hold='first-order' takes the input so.",
+    "hold-band-limited": "hold='band-limited' takes the input so.",
 }
 
 

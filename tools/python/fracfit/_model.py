@@ -523,8 +523,8 @@ class Model:
             Instants of the samples, s, rising; or a record, whose input is taken.
         input : array_like
             Samples.
-        hold : {"zero-order", "first-order"}
-            How the input runs between them.
+        hold : {"zero-order", "first-order", "band-limited"}
+            How the input runs between them; band-limited: repeating itself for ever, answered by the steady state.
         at : array_like, optional
             Instants of the answer; those of the samples if not given.
 
@@ -537,8 +537,8 @@ class Model:
         """
         if isinstance(time, TimeSeries):
             time, input, hold = time.time, time.input, time.hold
-        if hold not in ("zero-order", "first-order"):
-            raise ValueError(f"hold is {hold!r}; expected zero-order or first-order")
+        if hold not in ("zero-order", "first-order", "band-limited"):
+            raise ValueError(f"hold is {hold!r}; expected zero-order, first-order or band-limited")
         time = real_array(time, "time")
         input = real_array(input, "input", time.shape)
         instants = time if at is None else real_array(at, "at")

@@ -152,7 +152,10 @@ struct ParameterEstimate {
 enum class Remedy {
   give_limits,            // for parameters that ended at a limit nobody has given
   estimate_trend,         // TimeFitOptions::trend
-  estimate_earlier_input  // TimeFitOptions::earlier_input
+  estimate_earlier_input,  // TimeFitOptions::earlier_input
+  hold_zero_order,         // TimeResponseData::hold()
+  hold_first_order,
+  hold_band_limited
 };
 [[nodiscard]] std::string_view to_string(Remedy remedy);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.

@@ -24,14 +24,15 @@ enum class NoiseSource {
 /// Always, and with NoiseSource::data alone, they must not follow each other along the axis: their correlation at lag
 /// one and the Ljung-Box statistic, on residuals clipped at three robust standard deviations so that a single outlier
 /// does not hide a shape.  A fit fails where either chance is below 1e-3.  Below ten points nothing can be told from
-/// the data alone and the fit passes.
+/// the data alone and the fit passes.  Over time the noise may be of first order, each value the r-th part of the one
+/// before and white noise: residuals that are not white have to be so once that part is taken away.
 struct LackOfFit {
   NoiseSource source;
   double noise;                // standard deviation of a weighted residual as the source tells it
   double misfit;               // rms of the residuals, by degrees of freedom, over noise: 1 for a model that fits
   double p_value;              // chance of such a misfit by noise alone; NaN where only the data tell the noise
   double correlation;          // of neighbouring residuals
-  double correlation_p_value;  // chance of so much correlation in white noise; NaN below ten points
+  double correlation_p_value;  // chance of so much correlation in white or first-order noise; NaN below ten points
   bool adequate;
   struct Band {
     double lower, upper;  // rad/s, or s over time

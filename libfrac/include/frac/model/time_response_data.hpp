@@ -8,13 +8,14 @@
 namespace frac {
 
 /// Samples of the input and the output of a system over time: time in s, strictly increasing, steps of any length.  The
-/// system is at rest before the first sample; between samples the input runs as `hold` says.
+/// system is at rest before the first sample; between samples the input runs as `hold` says.  Under
+/// Hold::band_limited the steps are even, and the system has run with the same input for ever.
 class TimeResponseData {
  public:
   /// @param sigma  standard deviation of each output, > 0, in its unit; empty: unknown and equal.
   /// @throws std::invalid_argument  lengths differ, fewer than 2 samples, time not increasing, an entry not finite, the
-  ///                                input equal to `input_at_rest` throughout; the text names the first index
-  ///                                concerned.
+  ///                                input equal to `input_at_rest` throughout, under Hold::band_limited steps that
+  ///                                differ or an input that does not change; the text names the first index concerned.
   TimeResponseData(std::vector<double> time, std::vector<double> input, std::vector<double> output,
                    std::vector<double> sigma = {}, Hold hold = Hold::zero_order, double input_at_rest = 0);
 
@@ -34,6 +35,8 @@ class TimeResponseData {
   [[nodiscard]] const std::vector<std::size_t>& observed() const noexcept { return observed_; }
 
  private:
+  void check_repeating() const;
+
   std::vector<double> time_, input_, output_, sigma_;
   Hold hold_;
   double input_at_rest_;

@@ -31,7 +31,8 @@ enum class ResponseMethod {
 [[nodiscard]] ResponseMethod response_method_from_string(std::string_view text);
 [[nodiscard]] std::span<const ResponseMethod> response_methods();
 
-/// Samples of an input at rising instants (s), steps of any length; 0 before the first.
+/// Samples of an input at rising instants (s), steps of any length; 0 before the first.  Under Hold::band_limited the
+/// steps are even, and the input repeats itself before and after the samples.
 struct SampledInput {
   std::vector<double> time;
   std::vector<double> value;
@@ -63,6 +64,8 @@ struct TimeResponse {
 /// the more accurate one where none meets it, the reference being tried where it takes no more than some twenty
 /// seconds. Dead time, integrators, improper models (reference only) and instants of any spacing are welcome;
 /// grunwald_letnikov, bdf2 and ladder want instants 0, T, 2 T, ..., the last two those of the samples.
+/// To an input under Hold::band_limited the answer is the periodic steady state, exact to rounding; its mean is left out
+/// where the model integrates.
 /// @param time       s, rising; from 0 for a named input, from the first sample for a sampled one
 /// @param tolerance  of the largest output, 1e-15 to 0.1; 1e-13 and above for all but the reference
 /// @throws std::invalid_argument  as ReferenceResponse and ResponseFilter; bad instants or samples, named by their

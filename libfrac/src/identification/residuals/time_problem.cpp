@@ -81,33 +81,36 @@ TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, 
     : Problem(model, with_delay_limits(model, wanted.constraints, length_of(given)), data_scale(given, wanted.offset),
               false),
       data(given),
-      options(wanted) {
+      options(wanted),
+      periodic_(periodic_input(given)) {
   unit = unit_of(given, wanted.offset);
 }
 
 TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted,
                          ByParameters by)
-    : Problem(model, by), data(given), options(wanted) {
+    : Problem(model, by), data(given), options(wanted), periodic_(periodic_input(given)) {
   unit = unit_of(given, wanted.offset);
 }
 
 TimeProblem::TimeProblem(const TimeProblem& like, TimeFitOptions known, std::vector<ParameterConstraint> of_parameters)
     : Problem(like.structure, std::move(of_parameters), like.map.scale(), false),
       data(like.data),
-      options(std::move(known)) {
+      options(std::move(known)),
+      periodic_(like.periodic_) {
   unit = like.unit;
 }
 
 TimeResiduals& TimeProblem::residuals() {
   if (!residuals_)
     residuals_.emplace(data, structure, map, Background{options.offset, options.trend, options.earlier_input},
-                       data.observed(), finest_simulation, unit, priors);
+                       data.observed(), finest_simulation, unit, priors, periodic_);
   return *residuals_;
 }
 
 TimeResiduals TimeProblem::residuals_at(std::vector<std::size_t> index, double tolerance) const {
-  return {data,      structure, map,   {options.offset, options.trend, options.earlier_input}, std::move(index),
-          tolerance, unit,      priors};
+  return {
+      data, structure, map,      {options.offset, options.trend, options.earlier_input}, std::move(index), tolerance,
+      unit, priors,    periodic_};
 }
 
 std::unique_ptr<TimeProblem> TimeProblem::with_offset(double offset) const {

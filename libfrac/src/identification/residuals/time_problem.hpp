@@ -29,6 +29,8 @@ class TimeProblem final : public Problem {
   /// Residuals of the outputs of these indices.
   /// @param tolerance  of the simulation
   [[nodiscard]] TimeResiduals residuals_at(std::vector<std::size_t> index, double tolerance) const;
+  /// Null but under Hold::band_limited.
+  [[nodiscard]] const std::shared_ptr<const PeriodicInput>& periodic() const noexcept { return periodic_; }
   /// A parameter of the structure, or the offset.
   [[nodiscard]] std::unique_ptr<Problem> held(std::string_view parameter, double value) const override;
   /// The same problem with the output at rest known.
@@ -37,6 +39,7 @@ class TimeProblem final : public Problem {
  private:
   TimeProblem(const TimeProblem& like, TimeFitOptions known, std::vector<ParameterConstraint> of_parameters);
 
+  std::shared_ptr<const PeriodicInput> periodic_;
   std::optional<TimeResiduals> residuals_;
 };
 

@@ -15,13 +15,36 @@
 
 namespace frac::detail {
 
-EventResponse event_response(const TimeResponseData& data, const std::vector<std::size_t>& index) {
+namespace {
+
+std::vector<double> input_beyond_rest(const TimeResponseData& data) {
   std::vector<double> input = data.input();
   for (double& value : input) value -= data.input_at_rest();
+  return input;
+}
+
+EventResponse from_rest(const TimeResponseData& data, const std::vector<std::size_t>& index) {
   std::vector<double> output_time;
   output_time.reserve(index.size());
   for (const std::size_t i : index) output_time.push_back(data.time()[i]);
-  return {data.time(), std::move(input), data.hold(), std::move(output_time)};
+  return {data.time(), input_beyond_rest(data), data.hold(), std::move(output_time)};
+}
+
+}  // namespace
+
+std::shared_ptr<const PeriodicInput> periodic_input(const TimeResponseData& data) {
+  if (data.hold() != Hold::band_limited) return nullptr;
+  return std::make_shared<const PeriodicInput>(data.time(), input_beyond_rest(data));
+}
+
+RecordResponse::RecordResponse(const TimeResponseData& data, const std::vector<std::size_t>& index,
+                               std::shared_ptr<const PeriodicInput> periodic)
+    : response_(periodic ? std::variant<EventResponse, SteadyResponse>(SteadyResponse(std::move(periodic), index))
+                         : std::variant<EventResponse, SteadyResponse>(from_rest(data, index))) {}
+
+bool RecordResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, EventResponse::Result& result) const {
+  if (const auto* steady = std::get_if<SteadyResponse>(&response_)) return steady->evaluate(ratio, result);
+  return std::get<EventResponse>(response_).evaluate(ratio, tolerance, result);
 }
 
 std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std::vector<std::size_t>& index) {
@@ -53,7 +76,7 @@ std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<c
 
 TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
                              const Background& background, std::vector<std::size_t> index, double tolerance,
-                             double unit, const Priors& priors)
+                             double unit, const Priors& priors, std::shared_ptr<const PeriodicInput> periodic)
     : Residuals(map),
       data_(data),
       structure_(structure),
@@ -61,7 +84,7 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
       trend_(background.trend),
       index_(std::move(index)),
       tolerance_(tolerance),
-      events_(event_response(data, index_)) {
+      response_(data, index_, std::move(periodic)) {
   set_priors(priors, expected_noise);
   const auto count = static_cast<Eigen::Index>(index_.size());
   weight_.resize(count);
@@ -93,7 +116,7 @@ bool TimeResiduals::simulate(std::span<const double> theta) const {
   if (theta_ && std::equal(theta.begin(), theta.end(), theta_->begin(), theta_->end())) return true;
   theta_.reset();
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
-  if (!ratio || !events_.evaluate(*ratio, tolerance_, model_)) return false;
+  if (!ratio || !response_.evaluate(*ratio, tolerance_, model_)) return false;
   if (!(model_.value.cwiseAbs().maxCoeff() <= largest_model_)) return false;
   for (std::size_t k = 0; k < earlier_.size(); ++k) {
     if (!earlier_[k].evaluate(*ratio, tolerance_, earlier_model_[k])) return false;

@@ -2,17 +2,34 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "frac/model/time_response_data.hpp"
 #include "residuals.hpp"
 #include "time_response/event_response.hpp"
+#include "time_response/steady_response.hpp"
 
 namespace frac::detail {
 
-/// The input of the data from rest, and an output at the instants given by index.
-[[nodiscard]] EventResponse event_response(const TimeResponseData& data, const std::vector<std::size_t>& index);
+/// The lines of the input under Hold::band_limited; null under any other.
+[[nodiscard]] std::shared_ptr<const PeriodicInput> periodic_input(const TimeResponseData& data);
+
+/// What a model answers to the input of a record at the instants given by index: from rest, or in the periodic steady
+/// state where the input is a periodic one.
+class RecordResponse {
+ public:
+  /// @param periodic  of the data, see periodic_input()
+  RecordResponse(const TimeResponseData& data, const std::vector<std::size_t>& index,
+                 std::shared_ptr<const PeriodicInput> periodic);
+  /// As EventResponse::evaluate(); a steady state is exact.
+  [[nodiscard]] bool evaluate(const RatioOfPowerSums& ratio, double tolerance, EventResponse::Result& result) const;
+
+ private:
+  std::variant<EventResponse, SteadyResponse> response_;
+};
 
 /// The model as a ratio of sums of powers with derivatives; empty where it has no finite value.
 [[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
@@ -39,9 +56,10 @@ class TimeResiduals final : public Residuals {
   /// @param tolerance  of the simulation
   /// @param unit       of the residuals: about the size of the output over sigma
   /// @param priors     weighed by the noise to expect until another is set; they stay with the caller
+  /// @param periodic   of the data, see periodic_input()
   TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
                 const Background& background, std::vector<std::size_t> index, double tolerance, double unit,
-                const Priors& priors);
+                const Priors& priors, std::shared_ptr<const PeriodicInput> periodic);
 
   [[nodiscard]] std::size_t points() const noexcept override { return index_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }
@@ -89,7 +107,7 @@ class TimeResiduals final : public Residuals {
   double tolerance_;
   Loss loss_ = Loss::none;
   double loss_scale_ = 1;
-  EventResponse events_;
+  RecordResponse response_;
   Eigen::VectorXd weight_;   // of the residuals
   Eigen::VectorXd average_;  // weights of the mean that the offset is, sum 1
   Eigen::VectorXd output_;

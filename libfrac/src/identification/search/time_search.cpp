@@ -7,7 +7,9 @@
 #include <random>
 
 #include "base/draws.hpp"
+#include "identification/residuals/frequency_problem.hpp"
 #include "identification/residuals/laplace_residuals.hpp"
+#include "identification/search/frequency_search.hpp"
 #include "interchange.hpp"
 #include "search_starts.hpp"
 
@@ -44,7 +46,9 @@ class TimeSearch {
       : problem_(problem),
         hopeless_(hopeless),
         settled_(settled),
-        few_(problem.residuals_at(every_nth(problem.data.observed(), few_outputs), coarse)),
+        // Every n-th output of a periodic record may be the same few of each period, and none is cheaper than all.
+        few_(problem.residuals_at(
+            problem.periodic() ? problem.data.observed() : every_nth(problem.data.observed(), few_outputs), coarse)),
         generator_(problem.options.seed) {
     result_.best.cost = std::numeric_limits<double>::infinity();
   }
@@ -52,7 +56,9 @@ class TimeSearch {
   GlobalSolution run() {
     const ParameterMap& map = problem_.map;
     if (is_complete(map.start(), map)) try_from(map.to_theta(map.start()));
-    if (problem_.options.global_start && !map.free().empty() && !is_exact()) {
+    if (problem_.options.global_start && !map.free().empty() && !is_exact() && problem_.periodic()) {
+      search_lines();
+    } else if (problem_.options.global_start && !map.free().empty() && !is_exact()) {
       search_transforms();
       const TimeResiduals sparse =
           problem_.residuals_at(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
@@ -123,6 +129,74 @@ class TimeSearch {
       follow(start_among(transformed, suggested_orders(transformed.quotient())));
       if (is_exact() || at_best() > 1 || is_hopeless(far_beyond)) return;
     }
+  }
+
+  // In the steady state each line of the output is that of the input times the model.  The search over frequency knows
+  // this problem; first each line weighs by a hundredth of itself beside the noise, then by the noise, as over time.
+  void search_lines() {
+    const PeriodicInput& input = *problem_.periodic();
+    if (input.excited().empty()) return;
+    const TimeResponseData& data = problem_.data;
+    const LineSum sum(data.size(), input.period());
+    const std::vector<std::complex<double>> line = sum.fitted(without_slope(data), data.observed());
+    const double noise = noise_of_lines(sum, line);
+    for (const double share : {0.01, 0.0}) {
+      std::vector<double> omega, sigma;
+      std::vector<std::complex<double>> value;
+      double largest = 0;
+      for (const std::size_t k : input.excited()) largest = std::max(largest, std::abs(line[k]));
+      for (const std::size_t k : input.excited()) {
+        constexpr double rounding = 1e-12;
+        const double spread = std::hypot(noise, share * std::abs(line[k]), rounding * largest);
+        omega.push_back(input.omega(k));
+        value.push_back(line[k] / input.line()[k]);
+        sigma.push_back(spread / std::abs(input.line()[k]));
+      }
+      const FrequencyResponseData response(std::move(omega), std::move(value), std::move(sigma));
+      FitOptions options;
+      options.weight = Weight::given;
+      // A dead time longer by the period has the same lines, so that their spacing limits it, not the record.
+      options.constraints = problem_.options.constraints;
+      options.seed = problem_.options.seed;
+      FrequencyProblem over_frequency(response, problem_.structure, options);
+      const GlobalSolution found = frequency_search(over_frequency, std::numeric_limits<double>::infinity(), settled_);
+      result_.starts += found.starts;
+      if (found.starts_at_best == 0) continue;
+      try_from(problem_.map.to_theta(over_frequency.map.to_user(found.best.theta)));
+      result_.minima = std::max(result_.minima, found.minima);
+    }
+  }
+
+  /// The output without the straight line through it, which is no part of a period.
+  [[nodiscard]] static std::vector<double> without_slope(const TimeResponseData& data) {
+    double count = 0, mean_index = 0, mean = 0, both = 0, square = 0;
+    for (const std::size_t i : data.observed()) {
+      ++count;
+      mean_index += static_cast<double>(i);
+      mean += data.output()[i];
+    }
+    mean_index /= count;
+    mean /= count;
+    for (const std::size_t i : data.observed()) {
+      const double distance = static_cast<double>(i) - mean_index;
+      both += distance * (data.output()[i] - mean);
+      square += distance * distance;
+    }
+    std::vector<double> result = data.output();
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] -= mean + (square > 0 ? both / square : 0) * (static_cast<double>(i) - mean_index);
+    return result;
+  }
+
+  /// Standard deviation of each part of a line, by what the lines leave of the output.
+  [[nodiscard]] double noise_of_lines(const LineSum& sum, const std::vector<std::complex<double>>& line) const {
+    const TimeResponseData& data = problem_.data;
+    const std::vector<double> model = sum(line), output = without_slope(data);
+    double square = 0;
+    for (const std::size_t i : data.observed()) square += (output[i] - model[i]) * (output[i] - model[i]);
+    const auto count = static_cast<double>(data.observed().size());
+    const double degrees = std::max(1.0, count - 2 * static_cast<double>(sum.lines()) - 1);
+    return std::sqrt(square / degrees * 2 / count);
   }
 
   // About the best one: `reach` e-folds in coefficients, a third of `reach` in orders.  Dead times have minima between

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "autocorrelation.hpp"
+#include "first_order_likelihood.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/search/robust.hpp"
@@ -139,6 +140,36 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
   return result;
 }
 
+// Noise of first order has neighbours correlated by r, the middle of both by r too: e_i - (e_(i-1) + e_(i+1))/2 then has
+// the variance 3/2 - 2 r + r^2/2, and a sum of n squares that of n (1 - r^2)/(1 + r^2) independent ones.
+LackOfFit detail::first_order_tests(std::span<const double> residual, std::span<const double> time,
+                                    std::size_t parameters, bool told, double rounding) {
+  const LackOfFit white = residual_tests(residual, 1, time, parameters, told, rounding);
+  if (white.adequate || time.size() <= fewest_points || !std::isfinite(white.misfit)) return white;
+  const std::vector<double> tame = clipped(residual);
+  const double r = first_order_likelihood(tame).correlation;
+  if (r == 0) return white;
+  std::vector<double> innovation;
+  for (std::size_t i = 1; i < tame.size(); ++i) innovation.push_back(tame[i] - r * tame[i - 1]);
+  const LackOfFit freed = residual_tests(innovation, 1, time.subspan(1), parameters + 1, false, rounding);
+  LackOfFit result = white;
+  result.correlation_p_value = freed.correlation_p_value;
+  result.adequate = freed.adequate;
+  if (told) {
+    const double square = sum_of_squares(residual);
+    const double degrees = static_cast<double>(residual.size()) - static_cast<double>(parameters);
+    const double share = (1 - r * r) / (1 + r * r);
+    result.p_value = chi_squared_chance(share * square, share * degrees);
+    result.adequate = result.adequate && !(result.p_value < least_chance);
+  } else {
+    const double nearer = std::sqrt((1.5 - 2 * r + 0.5 * r * r) / 1.5);
+    result.noise /= nearer;
+    result.misfit *= nearer;
+  }
+  if (result.adequate) result.misses.clear();
+  return result;
+}
+
 std::string_view to_string(NoiseSource source) {
   switch (source) {
     case NoiseSource::sigma:
@@ -186,8 +217,8 @@ LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& option
     times.push_back(data.time()[i]);
     size = std::max(size, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
   }
-  return detail::residual_tests(detail::weighted_residuals(data, options, result), 1, times, result.free_parameters,
-                                !data.sigma().empty(), 1e-12 * size);
+  return detail::first_order_tests(detail::weighted_residuals(data, options, result), times, result.free_parameters,
+                                   !data.sigma().empty(), 1e-12 * size);
 }
 
 }  // namespace frac

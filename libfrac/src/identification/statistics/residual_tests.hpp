@@ -20,4 +20,9 @@ inline constexpr double least_chance = 1e-3;
                                        std::span<const double> abscissa, std::size_t parameters, bool told,
                                        double rounding);
 
+/// The same for residuals over time, whose noise may be of first order, e_i = r e_(i-1) + white, r the most likely: where
+/// they are not white, what is left of them without r times their neighbours has to be.
+[[nodiscard]] LackOfFit first_order_tests(std::span<const double> residual, std::span<const double> time,
+                                          std::size_t parameters, bool told, double rounding);
+
 }  // namespace frac::detail

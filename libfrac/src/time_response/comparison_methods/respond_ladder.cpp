@@ -103,6 +103,8 @@ StateSpace realised(const FractionalTransferFunction& model, FrequencyBand band,
 
 std::vector<double> respond_ladder(const FractionalTransferFunction& model, std::span<const double> samples,
                                    double sample_time, double tolerance, Hold hold) {
+  if (hold == Hold::band_limited)
+    throw std::invalid_argument("respond: hold = band-limited; the ladder takes zero-order and first-order");
   detail::check_samples(samples, "respond_ladder");
   detail::check_sample_time(sample_time, "respond_ladder");
   detail::check_proper(model, "respond_ladder");
