@@ -90,11 +90,10 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
   const std::string name = unknown->substr(0, unknown->find('='));
   const bool has_contacts = std::find(names.begin(), names.end(), "--restitution") != names.end();
   if (has_contacts && is_compliant_option(name))
-    refuse(
-        command.name() + " does not take " + name +
-            ": its contacts have a restitution and take no time, and its bodies no dry friction; simulate and history "
-            "take it",
-        command.name());
+    refuse(command.name() + " does not take " + name +
+               ": its contacts have a restitution and take no time, and its bodies no dry friction; simulate, map and "
+               "history take it",
+           command.name());
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }
 
