@@ -18,7 +18,6 @@
 #include "loops/motions/forced_motion.hpp"
 #include "loops/motions/symmetric_forced_orbit.hpp"
 #include "steady_state/describing_function_point.hpp"
-#include "steady_state/two_impact_orbit.hpp"
 #include "steady_state/window_mean.hpp"
 #include "symmetric_compliant_orbit.hpp"
 
@@ -204,8 +203,7 @@ class SymmetricOrbitsOfContacts {
       : bodies_(bodies),
         force_(force),
         output_(output),
-        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())),
-        hard_(bodies.system().restitution()) {}
+        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())) {}
 
   /// Where there is one that attracts.
   [[nodiscard]] std::optional<DescribingFunctionPoint> at(double omega) {
@@ -213,7 +211,7 @@ class SymmetricOrbitsOfContacts {
     const CompliantGroups groups{gamma, contact_.frequency / omega, contact_.damping_ratio};
     std::optional<SymmetricCompliantOrbit> orbit;
     if (last_) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
-    if (!orbit) orbit = from_hard(groups);
+    if (!orbit) orbit = symmetric_compliant_orbit_from_hard(groups);
     if (!orbit || !(orbit->largest_multiplier < 1)) return std::nullopt;
     last_ = orbit;
     last_omega_ = omega;
@@ -239,29 +237,6 @@ class SymmetricOrbitsOfContacts {
   }
 
  private:
-  // From contacts so stiff that they are nearly hard, softer by halves.
-  [[nodiscard]] std::optional<SymmetricCompliantOrbit> from_hard(const CompliantGroups& groups) const {
-    constexpr double stiff = 512;
-    if (!(groups.gamma >= hard_.saddle_node())) return std::nullopt;
-    const SymmetricImpact impact = hard_.at(groups.gamma);
-    int halvings = 0;
-    while (std::ldexp(groups.nu, halvings) < stiff) ++halvings;
-    CompliantGroups of = groups;
-    of.nu = std::ldexp(groups.nu, halvings);
-    // The hard orbit's phase is that of the other wall.
-    double angle = std::atan2(impact.sin_phase, impact.cos_phase) + std::numbers::pi;
-    std::optional<SymmetricCompliantOrbit> orbit =
-        symmetric_compliant_orbit(of, angle, impact.speed, contact_.duration * contact_.frequency / of.nu);
-    for (; orbit && halvings > 0; --halvings) {
-      of.nu /= 2;
-      // In first order of 1/nu.
-      const double before_angle = angle, shift = orbit->angle - before_angle;
-      angle = orbit->angle;
-      orbit = symmetric_compliant_orbit(of, orbit->angle + shift, orbit->speed, 2 * orbit->duration);
-    }
-    return orbit;
-  }
-
   [[nodiscard]] DescribingFunctionPoint point(const SymmetricCompliantOrbit& orbit, double gamma, double omega) const {
     const double mass1 = bodies_.system().mass1(), mass2 = bodies_.system().mass2();
     // With the gap's phasor U = contact - gamma: x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma over the inertia.
@@ -289,7 +264,6 @@ class SymmetricOrbitsOfContacts {
   double force_;
   Output output_;
   FreeContact contact_;
-  SymmetricFamily hard_;
   std::optional<SymmetricCompliantOrbit> last_;
   double last_omega_ = 0;
 };

@@ -34,7 +34,7 @@ void add_scene(Options& options, Scene& scene) {
   add_masses(options, scene.mass1, scene.mass2);
 }
 
-void CompliantOptions::add(Options& options, bool several) {
+void CompliantOptions::add(Options& options, bool several, bool friction) {
   const auto declare = [&](const char* name, std::vector<double>& target) -> Option& {
     return options.parsed(
         name, target,
@@ -50,8 +50,9 @@ void CompliantOptions::add(Options& options, bool several) {
   declare("--contact-restitution", restitution_).only_with({"--contact-frequency"});
   options.at_most_one({"--restitution", "--contact-stiffness", "--contact-frequency"});
   options.at_most_one({"--contact-ratio", "--contact-restitution"});
-  for (double* friction : {&friction_.body1, &friction_.body2})
-    options.number(friction == &friction_.body1 ? "--friction1" : "--friction2", *friction)
+  if (!friction) return;
+  for (double* each : {&friction_.body1, &friction_.body2})
+    options.number(each == &friction_.body1 ? "--friction1" : "--friction2", *each)
         .not_with({"--restitution"}, "whose contacts take no time; give --contact-stiffness or --contact-frequency");
 }
 
@@ -64,7 +65,7 @@ bool CompliantOptions::are_given(const Options& options) const {
   if (by_frequency && !options["--contact-ratio"].is_given() && !options["--contact-restitution"].is_given())
     throw std::invalid_argument("--contact-frequency needs --contact-ratio or --contact-restitution");
   if (by_frequency || options["--contact-stiffness"].is_given()) return true;
-  if (options["--restitution"].is_given()) return false;
+  if (!options["--restitution"].text().empty()) return false;  // given, or the default
   throw std::invalid_argument("--restitution is missing, or --contact-stiffness or --contact-frequency instead");
 }
 
@@ -81,18 +82,26 @@ std::vector<std::array<double, 2>> CompliantOptions::values() const {
   return values;
 }
 
+std::vector<backlash::CompliantContact> CompliantOptions::contacts(double mass1, double mass2) const {
+  std::vector<backlash::CompliantContact> contacts;
+  for (const auto& [first, second] : values()) {
+    if (frequency_.empty()) {
+      contacts.emplace_back(first, second);
+      continue;
+    }
+    const double ratio = ratio_.empty() ? backlash::damping_ratio_of_restitution(second) : second;
+    contacts.push_back(backlash::CompliantContact::from_frequency(first, ratio, mass1, mass2));
+  }
+  return contacts;
+}
+
 std::vector<backlash::CompliantBodies> CompliantOptions::bodies(const frac::FractionalTransferFunction& load,
                                                                 const frac::FractionalTransferFunction& drive,
                                                                 double clearance) const {
-  const auto contact = [&](double first, double second) {
-    if (frequency_.empty()) return backlash::CompliantContact(first, second);
-    const backlash::LinearBodies elastic(load, drive, clearance, 1);
-    const double ratio = ratio_.empty() ? backlash::damping_ratio_of_restitution(second) : second;
-    return backlash::CompliantContact::from_frequency(first, ratio, elastic.system().mass1(), elastic.system().mass2());
-  };
+  const backlash::LinearBodies elastic(load, drive, clearance, 1);
   std::vector<backlash::CompliantBodies> bodies;
-  for (const auto& [first, second] : values())
-    bodies.emplace_back(load, drive, clearance, contact(first, second), friction_);
+  for (const auto& contact : contacts(elastic.system().mass1(), elastic.system().mass2()))
+    bodies.emplace_back(load, drive, clearance, contact, friction_);
   return bodies;
 }
 

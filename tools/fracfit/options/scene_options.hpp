@@ -35,13 +35,16 @@ void add_scene(Options& options, Scene& scene);
 class CompliantOptions {
  public:
   /// After --restitution is declared, which then may be left out.
-  /// @param several  whether those of contacts may be lists
-  void add(Options& options, bool several = false);
+  /// @param several   whether those of contacts may be lists
+  /// @param friction  whether bodies may have dry friction
+  void add(Options& options, bool several = false, bool friction = true);
   /// Refuses the option where contacts take time.
   static void exclude(Option& option, const std::string& why);
   /// Which of the two kinds of contact was given. @throws std::invalid_argument  none.
   [[nodiscard]] bool are_given(const Options& options) const;
   /// Of each contact, every combination of the two options that give it, the first of them slowest.
+  /// @throws std::invalid_argument  as CompliantContact.
+  [[nodiscard]] std::vector<backlash::CompliantContact> contacts(double mass1, double mass2) const;
   /// @throws std::invalid_argument  as CompliantBodies.
   [[nodiscard]] std::vector<backlash::CompliantBodies> bodies(const frac::FractionalTransferFunction& load,
                                                               const frac::FractionalTransferFunction& drive,
