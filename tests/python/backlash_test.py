@@ -70,6 +70,24 @@ def test_bits_of_map():
     assert found["regime"] == table.regime.ravel().tolist()
 
 
+def test_bits_of_map_with_contacts_that_take_time():
+    found = command_line.columns_of(
+        "map", "--contact-stiffness", "50,200", "--contact-damping", 1, "--friction1", 0.05, "--omega", "1.5,2,3",
+        "--protocol", "sweep-up",
+    )  # fmt: skip
+    table = fracfit.regime_map([1.5, 2.0, 3.0], contact_stiffness=[50.0, 200.0], contact_damping=1.0, friction1=0.05)
+    assert table.response.shape == (2, 3)
+    assert found["re_m_per_n"] == table.response.real.ravel().tolist()
+    assert found["regime"] == table.regime.ravel().tolist()
+    assert table.restitution[1] == fracfit.free_contact(stiffness=200.0, damping=1.0)["restitution"]
+    with pytest.raises(ValueError, match="either restitution or contact_stiffness"):
+        fracfit.regime_map([2.0])
+    with pytest.raises(ValueError, match="friction1 has no meaning"):
+        fracfit.regime_map([2.0], [0.5], friction1=1.0)
+    with pytest.raises(ValueError, match="contact_stiffness needs contact_damping"):
+        fracfit.regime_map([2.0], contact_stiffness=[1.0])
+
+
 def test_families_broadcast_and_scale():
     omega = np.array([12.0, 20.0])
     force = np.array([[10.0], [40.0]])

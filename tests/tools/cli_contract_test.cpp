@@ -558,6 +558,46 @@ TEST(CompliantContacts, TakeSeveralForcesAndClearances) {
   EXPECT_EQ(json["sweeps"][1]["scene"]["contact_damping_n_s_m"], 100);
 }
 
+// Each row of a map is that of simulate for the one contact, whichever pair of options gives it.
+TEST(CompliantContacts, MakeAMapOfWhatSimulateGives) {
+  const std::vector<std::string> both{"--friction1", "1", "--format", "csv", "--quiet"};
+  const std::vector<std::vector<std::string>> pairs{
+      {"--contact-stiffness", "20000,80000", "--contact-damping", "50,100"},
+      {"--contact-frequency", "200,400", "--contact-ratio", "0.125,0.25"},
+      {"--contact-frequency", "200,400", "--contact-restitution", "0.5,0.7"}};
+  for (const auto& pair : pairs) {
+    const std::string table = successful(with(
+        with({"map", "--force", "40", "--clearance", "0.3", "--omega", "18,20", "--mean-tolerance", "0"}, pair), both));
+    EXPECT_EQ(entry_of(table, "friction1_n"), "1");
+    EXPECT_EQ(entry_of(table, "protocol"), "two-impact");
+    const auto rows = rows_of(table);
+    ASSERT_EQ(rows.size(), 8u);
+    const auto first = [&](std::size_t i) { return pair[1].substr(i * (pair[1].find(',') + 1), pair[1].find(',')); };
+    const auto second = [&](std::size_t i) {
+      return i == 0 ? pair[3].substr(0, pair[3].find(',')) : pair[3].substr(pair[3].find(',') + 1);
+    };
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto one = rows_of(successful(
+          with(compliant("simulate", {pair[0], first(i / 2), pair[2], second(i % 2), "--diagnostics"}), both)));
+      EXPECT_EQ(rows[2 * i + 1][0], first(i / 2));
+      EXPECT_EQ(rows[2 * i + 1][1], second(i % 2));
+      // A frequency alone begins elsewhere than one of a curve, and so ends within what the last step leaves.
+      ASSERT_EQ(one.size(), 1u);
+      EXPECT_EQ(rows[2 * i + 1][2], one[0][0]);
+      for (const std::size_t part : {1u, 2u})
+        EXPECT_NEAR(std::stod(rows[2 * i + 1][2 + part]), std::stod(one[0][part]), 1e-12 * 1e-3);
+      EXPECT_EQ(rows[2 * i + 1][5], one[0][3]);
+    }
+  }
+  // Several contacts in simulate stand beside forces and clearances; with one restitution each tells its own.
+  const Json json =
+      successful_json(with({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "18,20"},
+                           {"--contact-stiffness", "20000,80000", "--contact-damping", "50", "--format", "json"}));
+  ASSERT_EQ(json["sweeps"].size(), 2u);
+  EXPECT_EQ(json["sweeps"][0]["scene"]["contact_stiffness_n_m"], 20000);
+  EXPECT_EQ(json["sweeps"][1]["scene"]["contact_stiffness_n_m"], 80000);
+}
+
 TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   const auto refusal = [](const std::vector<std::string>& arguments) {
     const auto result = run_fracfit(arguments);
@@ -567,7 +607,7 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   const auto expect = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
-  for (const char* command : {"simulate", "history"}) {
+  for (const char* command : {"simulate", "history", "map"}) {
     const auto with_options = [&](const std::vector<std::string>& more) { return refusal(compliant(command, more)); };
     expect(with_options({}), "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
     expect(with_options({"--restitution", "0.6", "--contact-stiffness", "1", "--contact-damping", "1"}),
@@ -585,7 +625,11 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
                            {"--contact-stiffness", "1", "--contact-damping", "1", "--orbit-tolerance", "1e-6"})),
          "--orbit-tolerance has no meaning with --contact-stiffness");
   expect(refusal(compliant("simulate", {"--motion", "static", "--friction1", "1"})), "--friction1 has no meaning");
-  for (const char* command : {"map", "basins", "orbits"})
+  expect(refusal(compliant("map", {"--contact-stiffness", "1", "--contact-damping", "1", "--orbit-tolerance", "1e-6"})),
+         "--orbit-tolerance has no meaning with --contact-stiffness");
+  expect(refusal(compliant("history", {"--contact-stiffness", "1,2", "--contact-damping", "1"})),
+         "--contact-stiffness");
+  for (const char* command : {"basins", "orbits"})
     expect(refusal({command, "--contact-stiffness", "1"}), std::string(command) + " does not take --contact-stiffness");
 }
 

@@ -148,4 +148,54 @@ TEST(Simulate, FrequenciesThatLeaveTheRangeOfNumbersAreRefused) {
   }
 }
 
+// Stiff contacts have the law of their restitution but for a share of w/wc, soft ones a smaller exponent of the force,
+// and that of the clearance the larger for it; --constants says the same for one scene.
+TEST(JumpLaw, ContactsThatTakeTimeLowerTheExponent) {
+  const std::vector<std::string> scene{"jump-law", "--force", "0.99,1,1.01", "--clearance", "0.99,1,1.01", "--quiet"};
+  const auto law_of = [&](const std::string& frequency) {
+    std::vector<std::string> arguments = scene;
+    arguments.insert(arguments.end(), {"--contact-frequency", frequency, "--contact-restitution", "0.6"});
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return nlohmann::json::parse(result.output);
+  };
+  const auto soft = law_of("10"), stiff = law_of("10000");
+  EXPECT_EQ(soft["criterion"], "symmetry-loss");
+  EXPECT_EQ(soft["points"][0]["contact_frequency_rad_s"], 10);
+  EXPECT_EQ(soft["points"][0]["contact_restitution"], 0.6);
+  EXPECT_NEAR(soft["points"][0]["restitution"].get<double>(), 0.6, 1e-14);
+  const double b = soft["laws"][1]["b"], a = soft["a_of_clearance"]["exponent"];
+  const auto one = run_fracfit({"jump-law", "--constants", "--force", "1", "--clearance", "1", "--contact-frequency",
+                                "10", "--contact-restitution", "0.6", "--format", "csv"});
+  ASSERT_EQ(one.code, 0) << one.error;
+  const auto lines = lines_of(one.output);
+  ASSERT_GT(lines.size(), 2u);
+  EXPECT_EQ(lines[lines.size() - 2],
+            "force_n,clearance_m,contact_frequency_rad_s,contact_restitution,stiffness_group,similarity_constant,"
+            "exponent,meaning");
+  std::istringstream row(lines.back());
+  std::vector<double> numbers;
+  for (std::string cell; numbers.size() < 7 && std::getline(row, cell, ',');) numbers.push_back(std::stod(cell));
+  EXPECT_NEAR(numbers[4], 100, 1e-12);
+  // Over 1 % of the force a secant differs from the tangent by the square of that.
+  EXPECT_NEAR(numbers[6], b, 1e-4);
+  EXPECT_NEAR(a, -b, 1e-4);
+  EXPECT_LT(b, 0.48);
+  // w/wc is 1.65e-4, and b is off by about half of that.
+  EXPECT_NEAR(stiff["laws"][1]["b"].get<double>(), 0.5, 2e-4);
+
+  const auto refused =
+      run_fracfit({"jump-law", "--contact-stiffness", "1", "--contact-damping", "1", "--criterion", "sweep-up"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("symmetry-loss or saddle-node"), std::string::npos) << refused.error;
+  const auto undamped = run_fracfit({"jump-law", "--contact-stiffness", "1", "--contact-damping", "0"});
+  EXPECT_EQ(undamped.code, 2);
+  EXPECT_NE(undamped.error.find("--contact-damping is 0"), std::string::npos) << undamped.error;
+  const auto friction = run_fracfit({"jump-law", "--friction1", "1"});
+  EXPECT_EQ(friction.code, 2);
+  EXPECT_NE(friction.error.find("jump-law does not take --friction1: its bodies have no dry friction"),
+            std::string::npos)
+      << friction.error;
+}
+
 }  // namespace

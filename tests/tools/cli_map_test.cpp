@@ -87,6 +87,39 @@ TEST(Map, ShardsJoinToTheWholeInAnyOrder) {
   EXPECT_NE(other.error.find("another command"), std::string::npos) << other.error;
 }
 
+TEST(Map, ShardsOfContactsJoinToTheWholeOfMapAndSimulate) {
+  for (const std::string command : {"map", "simulate"}) {
+    const TemporaryFolder folder;
+    const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
+      std::vector<std::string> arguments{command,       "--force",
+                                         "40",          "--clearance",
+                                         "0.3",         "--contact-frequency",
+                                         "200,400,600", "--contact-restitution",
+                                         "0.5,0.7",     "--friction1",
+                                         "2",           "--omega",
+                                         "19:22:4",     "--quiet",
+                                         "--out",       folder.path(name)};
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      const auto result = run_fracfit(arguments);
+      ASSERT_EQ(result.code, 0) << result.error;
+    };
+    run("whole.csv", {});
+    std::vector<std::string> merge{"merge", "--out", folder.path("joined.csv")};
+    for (const char* shard : {"1/4", "2/4", "3/4", "4/4"}) {
+      run(std::string(1, *shard) + ".csv", {"--shard", shard});
+      merge.push_back(folder.path(std::string(1, *shard) + ".csv"));
+    }
+    const auto joined = run_fracfit(merge);
+    ASSERT_EQ(joined.code, 0) << joined.error;
+    EXPECT_EQ(content_of(folder.path("joined.csv")), content_of(folder.path("whole.csv")));
+    // The whole of other friction is another table.
+    run("other.csv", {"--shard", "2/4", "--friction2", "1"});
+    const auto other = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("other.csv")});
+    EXPECT_EQ(other.code, 3);
+    EXPECT_NE(other.error.find("another command"), std::string::npos) << other.error;
+  }
+}
+
 // More shards than restitutions leave some empty; they join all the same.
 TEST(Map, ShardsMayBeMoreThanRows) {
   const TemporaryFolder folder;

@@ -16,7 +16,14 @@
 namespace io {
 namespace {
 
-constexpr std::array<std::string_view, 3> scene_columns{"force_n", "clearance_m", "restitution"};
+constexpr std::array<std::string_view, 8> scene_columns{"force_n",
+                                                        "clearance_m",
+                                                        "restitution",
+                                                        "contact_stiffness_n_m",
+                                                        "contact_damping_n_s_m",
+                                                        "contact_frequency_rad_s",
+                                                        "contact_ratio",
+                                                        "contact_restitution"};
 
 class SweepSearch {
  public:

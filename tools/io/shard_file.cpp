@@ -30,10 +30,16 @@ constexpr std::size_t most_text = 1U << 16U;  // bytes of rows that are handed o
 constexpr std::string_view frequency_column = "omega_rad_s";
 
 // Columns that tell the blocks apart, and the option of the command that holds their values.
-constexpr std::array<std::pair<std::string_view, const char*>, 4> options{{{"force_n", "--force"},
-                                                                           {"clearance_m", "--clearance"},
-                                                                           {"restitution", "--restitution"},
-                                                                           {frequency_column, "--omega"}}};
+constexpr std::array<std::pair<std::string_view, const char*>, 9> options{
+    {{"force_n", "--force"},
+     {"clearance_m", "--clearance"},
+     {"restitution", "--restitution"},
+     {"contact_stiffness_n_m", "--contact-stiffness"},
+     {"contact_damping_n_s_m", "--contact-damping"},
+     {"contact_frequency_rad_s", "--contact-frequency"},
+     {"contact_ratio", "--contact-ratio"},
+     {"contact_restitution", "--contact-restitution"},
+     {frequency_column, "--omega"}}};
 
 // The lines above the rows.
 struct Head {
@@ -153,7 +159,8 @@ std::vector<double> ShardReader::values_of(std::string_view column) const {
   const auto* const option =
       std::find_if(options.begin(), options.end(), [&](const auto& each) { return each.first == column; });
   if (option == options.end())
-    fail("found column " + quoted(column) + " before the frequency; expected force_n, clearance_m or restitution");
+    fail("found column " + quoted(column) +
+         " before the frequency; expected force_n, clearance_m, restitution or those of a contact");
   const auto value = option_value(head_.command, option->second);
   if (!value) fail("found no " + std::string(option->second) + " in the command");
   try {

@@ -25,6 +25,13 @@ class SweepPieces {
  public:
   /// @throws std::invalid_argument  as describing_function_sweeps.
   SweepPieces(std::vector<SweepScene> scenes, std::vector<double> omega, const SweepOptions& options);
+  /// Computes a piece; safe to call from several threads.
+  using Compute =
+      std::function<std::vector<DescribingFunctionPoint>(const SweepPiece& piece, frac::Progress* progress)>;
+  /// Of bodies of another kind, which `compute` knows, see bodies_sweep_pieces().
+  /// @param scenes  what is told of each curve
+  /// @throws std::invalid_argument  for the grid and the options.
+  SweepPieces(std::vector<SweepScene> scenes, std::vector<double> omega, const SweepOptions& options, Compute compute);
 
   [[nodiscard]] std::size_t count() const noexcept { return scenes_.size() * per_scene_; }
   /// Place of a piece among the points; pieces are numbered from 0 in the order of scenes and frequencies.
@@ -41,6 +48,9 @@ class SweepPieces {
   void compute(const std::function<bool(std::size_t number)>& is_there,
                const std::function<void(std::size_t number, std::vector<DescribingFunctionPoint> points)>& take,
                frac::Progress* progress = nullptr) const;
+  /// Computes all pieces.
+  /// @param progress  counts points, if given
+  [[nodiscard]] std::vector<DescribingFunctionSweep> sweeps(frac::Progress* progress = nullptr) const;
 
   [[nodiscard]] const std::vector<SweepScene>& scenes() const noexcept { return scenes_; }
   [[nodiscard]] const std::vector<double>& omega() const noexcept { return omega_; }
@@ -50,6 +60,7 @@ class SweepPieces {
   std::vector<SweepScene> scenes_;
   std::vector<double> omega_;
   SweepOptions options_;
+  Compute compute_;        // none: two masses with a restitution
   std::size_t width_;      // frequencies of a piece; the last one of a scene may have fewer
   std::size_t per_scene_;  // pieces of a scene
 };

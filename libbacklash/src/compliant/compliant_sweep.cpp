@@ -18,7 +18,6 @@
 #include "loops/motions/forced_motion.hpp"
 #include "loops/motions/symmetric_forced_orbit.hpp"
 #include "steady_state/describing_function_point.hpp"
-#include "steady_state/two_impact_orbit.hpp"
 #include "steady_state/window_mean.hpp"
 #include "symmetric_compliant_orbit.hpp"
 
@@ -204,8 +203,7 @@ class SymmetricOrbitsOfContacts {
       : bodies_(bodies),
         force_(force),
         output_(output),
-        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())),
-        hard_(bodies.system().restitution()) {}
+        contact_(free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2())) {}
 
   /// Where there is one that attracts.
   [[nodiscard]] std::optional<DescribingFunctionPoint> at(double omega) {
@@ -213,7 +211,7 @@ class SymmetricOrbitsOfContacts {
     const CompliantGroups groups{gamma, contact_.frequency / omega, contact_.damping_ratio};
     std::optional<SymmetricCompliantOrbit> orbit;
     if (last_) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
-    if (!orbit) orbit = from_hard(groups);
+    if (!orbit) orbit = symmetric_compliant_orbit_from_hard(groups);
     if (!orbit || !(orbit->largest_multiplier < 1)) return std::nullopt;
     last_ = orbit;
     last_omega_ = omega;
@@ -239,29 +237,6 @@ class SymmetricOrbitsOfContacts {
   }
 
  private:
-  // From contacts so stiff that they are nearly hard, softer by halves.
-  [[nodiscard]] std::optional<SymmetricCompliantOrbit> from_hard(const CompliantGroups& groups) const {
-    constexpr double stiff = 512;
-    if (!(groups.gamma >= hard_.saddle_node())) return std::nullopt;
-    const SymmetricImpact impact = hard_.at(groups.gamma);
-    int halvings = 0;
-    while (std::ldexp(groups.nu, halvings) < stiff) ++halvings;
-    CompliantGroups of = groups;
-    of.nu = std::ldexp(groups.nu, halvings);
-    // The hard orbit's phase is that of the other wall.
-    double angle = std::atan2(impact.sin_phase, impact.cos_phase) + std::numbers::pi;
-    std::optional<SymmetricCompliantOrbit> orbit =
-        symmetric_compliant_orbit(of, angle, impact.speed, contact_.duration * contact_.frequency / of.nu);
-    for (; orbit && halvings > 0; --halvings) {
-      of.nu /= 2;
-      // In first order of 1/nu.
-      const double before_angle = angle, shift = orbit->angle - before_angle;
-      angle = orbit->angle;
-      orbit = symmetric_compliant_orbit(of, orbit->angle + shift, orbit->speed, 2 * orbit->duration);
-    }
-    return orbit;
-  }
-
   [[nodiscard]] DescribingFunctionPoint point(const SymmetricCompliantOrbit& orbit, double gamma, double omega) const {
     const double mass1 = bodies_.system().mass1(), mass2 = bodies_.system().mass2();
     // With the gap's phasor U = contact - gamma: x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma over the inertia.
@@ -289,7 +264,6 @@ class SymmetricOrbitsOfContacts {
   double force_;
   Output output_;
   FreeContact contact_;
-  SymmetricFamily hard_;
   std::optional<SymmetricCompliantOrbit> last_;
   double last_omega_ = 0;
 };
@@ -302,6 +276,58 @@ LoopStart protocol_start(const CompliantBodies& bodies, Protocol protocol) {
     start.x2 = -start.x1;
   }
   return start;
+}
+
+std::vector<DescribingFunctionPoint> independent_points(const CompliantScene& scene, const std::vector<double>& omega,
+                                                        const SweepOptions& options, const SweepPiece& piece,
+                                                        frac::Progress* progress) {
+  std::vector<DescribingFunctionPoint> points;
+  for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) {
+    frac::throw_if_cancelled();
+    Point point(scene.bodies, scene.force_amplitude, omega[i], options);
+    points.push_back(point.follow(protocol_start(scene.bodies, options.protocol)).point);
+    if (progress != nullptr) ++progress->done;
+  }
+  return points;
+}
+
+// Points that carry their state from one to the next.
+std::vector<DescribingFunctionPoint> carried_points(const CompliantScene& scene, const std::vector<double>& omega,
+                                                    const SweepOptions& options, frac::Progress* progress) {
+  const auto& [bodies, force] = scene;
+  std::vector<DescribingFunctionPoint> points(omega.size());
+  const bool is_down = options.protocol == Protocol::sweep_down;
+  const bool seeks_orbit = options.protocol == Protocol::two_impact;
+  std::optional<SymmetricOrbitsOfContacts> symmetric;
+  if (seeks_orbit && bodies.are_free()) symmetric.emplace(bodies, force, options.output);
+  std::optional<ImpulseAnswer> response;
+  LoopStart carried = protocol_start(bodies, options.protocol);
+  bool is_owed = false;  // the state of a symmetric orbit, until it is needed
+  for (std::size_t step = 0; step < omega.size(); ++step) {
+    frac::throw_if_cancelled();
+    const std::size_t i = is_down ? omega.size() - 1 - step : step;
+    if (progress != nullptr) ++progress->done;
+    if (symmetric) {
+      if (const auto found = symmetric->at(omega[i])) {
+        points[i] = *found;
+        is_owed = true;
+        continue;
+      }
+      if (std::exchange(is_owed, false)) carried = symmetric->at_peak();
+    }
+    Point at(bodies, force, omega[i], options);
+    std::optional<Reached> reached;
+    if (seeks_orbit) {
+      if (!response) response.emplace(gap_response(bodies.hard()));
+      reached = at.near(carried);
+      const SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
+      if (!reached && hard.exists()) reached = at.near(hard.at_peak());
+    }
+    if (!reached) reached = at.follow(carried);
+    points[i] = reached->point;
+    carried = CompliantFlow::positions(reached->state);
+  }
+  return points;
 }
 
 }  // namespace
@@ -318,70 +344,30 @@ std::vector<DescribingFunctionSweep> bodies_describing_functions(const std::vect
                                                                  const std::vector<double>& omega,
                                                                  const SweepOptions& options,
                                                                  frac::Progress* progress) {
+  return bodies_sweep_pieces(scenes, omega, options).sweeps(progress);
+}
+
+SweepPieces bodies_sweep_pieces(std::vector<CompliantScene> scenes, std::vector<double> omega,
+                                const SweepOptions& options) {
   detail::require_valid(options);
   detail::require_frequency_grid(omega);
-  std::vector<DescribingFunctionSweep> sweeps;
+  std::vector<SweepScene> told;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const CompliantScene& scene = scenes[i];
     const std::string which = scenes.size() == 1 ? "" : " of scene " + std::to_string(i);
     detail::require_positive("force_amplitude" + which, "N", scene.force_amplitude);
     detail::require_followed(scene.bodies, omega.front());
-    sweeps.push_back({scene.bodies.system(), scene.force_amplitude, options, {}});
-    sweeps.back().points.resize(omega.size());
+    told.push_back({scene.bodies.system(), scene.force_amplitude});
   }
-  if (progress != nullptr) progress->total += scenes.size() * omega.size();
   const bool is_carried =
       options.protocol != Protocol::contact_at_rest && options.protocol != Protocol::mid_gap_at_rest;
-  const auto count = [&] {
-    if (progress != nullptr) ++progress->done;
+  const auto compute = [scenes = std::move(scenes), omega, options, is_carried](const SweepPiece& piece,
+                                                                                frac::Progress* progress) {
+    const CompliantScene& scene = scenes[piece.scene];
+    return is_carried ? detail::carried_points(scene, omega, options, progress)
+                      : detail::independent_points(scene, omega, options, piece, progress);
   };
-  if (!is_carried) {
-    frac::parallel_for(scenes.size() * omega.size(), options.threads, [&](std::size_t number) {
-      const CompliantScene& scene = scenes[number / omega.size()];
-      const std::size_t i = number % omega.size();
-      detail::Point point(scene.bodies, scene.force_amplitude, omega[i], options);
-      sweeps[number / omega.size()].points[i] =
-          point.follow(detail::protocol_start(scene.bodies, options.protocol)).point;
-      count();
-    });
-    return sweeps;
-  }
-  const bool is_down = options.protocol == Protocol::sweep_down;
-  frac::parallel_for(scenes.size(), options.threads, [&](std::size_t number) {
-    const auto& [bodies, force] = scenes[number];
-    const bool seeks_orbit = options.protocol == Protocol::two_impact;
-    std::optional<detail::SymmetricOrbitsOfContacts> symmetric;
-    if (seeks_orbit && bodies.are_free()) symmetric.emplace(bodies, force, options.output);
-    std::optional<detail::ImpulseAnswer> response;
-    LoopStart carried = detail::protocol_start(bodies, options.protocol);
-    bool is_owed = false;  // the state of a symmetric orbit, until it is needed
-    for (std::size_t step = 0; step < omega.size(); ++step) {
-      frac::throw_if_cancelled();
-      const std::size_t i = is_down ? omega.size() - 1 - step : step;
-      DescribingFunctionPoint& point = sweeps[number].points[i];
-      count();
-      if (symmetric) {
-        if (const auto found = symmetric->at(omega[i])) {
-          point = *found;
-          is_owed = true;
-          continue;
-        }
-        if (std::exchange(is_owed, false)) carried = symmetric->at_peak();
-      }
-      detail::Point at(bodies, force, omega[i], options);
-      std::optional<detail::Reached> reached;
-      if (seeks_orbit) {
-        if (!response) response.emplace(detail::gap_response(bodies.hard()));
-        reached = at.near(carried);
-        const detail::SymmetricForcedOrbit hard(bodies.hard(), *response, force, omega[i]);
-        if (!reached && hard.exists()) reached = at.near(hard.at_peak());
-      }
-      if (!reached) reached = at.follow(carried);
-      point = reached->point;
-      carried = detail::CompliantFlow::positions(reached->state);
-    }
-  });
-  return sweeps;
+  return {std::move(told), std::move(omega), options, compute};
 }
 
 }  // namespace backlash

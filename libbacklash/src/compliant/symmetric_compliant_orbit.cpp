@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "backlash/compliant_contact.hpp"
+#include "steady_state/two_impact_orbit.hpp"
+
 namespace backlash::detail {
 namespace {
 
@@ -249,6 +252,31 @@ std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit(const Compliant
   if (!is_last || !(equations.residual() < 1e-10)) return std::nullopt;
   if (!equations.meets_nothing() || !equations.presses_throughout()) return std::nullopt;
   return equations.orbit();
+}
+
+std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit_from_hard(const CompliantGroups& groups) {
+  constexpr double stiff = 512;
+  // Of two masses of 2 kg, whose reduced mass is 1 kg, and a contact of 1 rad/s.
+  const FreeContact contact = free_contact(CompliantContact::from_frequency(1, groups.zeta, 2, 2), 2, 2);
+  const SymmetricFamily hard(contact.restitution);
+  if (!(groups.gamma >= hard.saddle_node())) return std::nullopt;
+  const SymmetricImpact impact = hard.at(groups.gamma);
+  int halvings = 0;
+  while (std::ldexp(groups.nu, halvings) < stiff) ++halvings;
+  CompliantGroups of = groups;
+  of.nu = std::ldexp(groups.nu, halvings);
+  // The hard orbit's phase is that of the other wall.
+  double angle = std::atan2(impact.sin_phase, impact.cos_phase) + pi;
+  std::optional<SymmetricCompliantOrbit> orbit =
+      symmetric_compliant_orbit(of, angle, impact.speed, contact.duration / of.nu);
+  for (; orbit && halvings > 0; --halvings) {
+    of.nu /= 2;
+    // In first order of 1/nu.
+    const double before_angle = angle, shift = orbit->angle - before_angle;
+    angle = orbit->angle;
+    orbit = symmetric_compliant_orbit(of, orbit->angle + shift, orbit->speed, 2 * orbit->duration);
+  }
+  return orbit;
 }
 
 }  // namespace backlash::detail

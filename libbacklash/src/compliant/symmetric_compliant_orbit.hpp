@@ -34,5 +34,8 @@ struct SymmetricCompliantOrbit {
 [[nodiscard]] std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit(const CompliantGroups& groups,
                                                                                double angle, double speed,
                                                                                double duration);
+/// From the orbit of contacts that take no time and have the restitution of these: contacts nearly as hard, made softer
+/// by halves.  Empty where there is no such orbit, or the way is lost.
+[[nodiscard]] std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit_from_hard(const CompliantGroups& groups);
 
 }  // namespace backlash::detail

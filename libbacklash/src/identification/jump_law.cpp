@@ -6,7 +6,9 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
+#include "backlash/compliant/compliant_jump.hpp"
 #include "base/check.hpp"
 #include "base/counted.hpp"
 #include "base/short_text.hpp"
@@ -96,17 +98,9 @@ struct Mean {
   [[nodiscard]] double value() const { return count > 0 ? sum / static_cast<double>(count) : nan; }
 };
 
-// Jumps of sweeps, each from its values alone.
-void jumps_of_sweeps(JumpGrid& grid, double mass1, double mass2, int threads, frac::Progress* progress) {
-  if (progress != nullptr) progress->total += grid.points.size();
-  frac::parallel_for(grid.points.size(), threads, [&](std::size_t i) {
-    JumpPoint& point = grid.points[i];
-    point.omega_jump =
-        largest_discontinuity(TwoMassSystem(mass1, mass2, point.clearance, point.restitution), point.force);
-    if (progress != nullptr) ++progress->done;
-  });
+// The constant of each restitution or contact: the mean over its scenes.
+void take_means(JumpGrid& grid, double mass2) {
   const std::size_t restitutions = grid.constants.size();
-  const std::size_t sweeps = grid.points.size() / restitutions;
   Mean overall;
   for (std::size_t i = 0; i < restitutions; ++i) {
     Mean mean;
@@ -119,9 +113,22 @@ void jumps_of_sweeps(JumpGrid& grid, double mass1, double mass2, int threads, fr
     }
     if (mean.count > 0) grid.constants[i].similarity_constant = mean.value();
     grid.constants[i].message =
-        std::to_string(mean.count) + " of " + std::to_string(sweeps) + " sweeps have a discontinuity";
+        std::to_string(mean.count) + " of " + std::to_string(grid.points.size() / restitutions) + " ";
   }
   grid.mean_similarity_constant = overall.value();
+}
+
+// Jumps of sweeps, each from its values alone.
+void jumps_of_sweeps(JumpGrid& grid, double mass1, double mass2, int threads, frac::Progress* progress) {
+  if (progress != nullptr) progress->total += grid.points.size();
+  frac::parallel_for(grid.points.size(), threads, [&](std::size_t i) {
+    JumpPoint& point = grid.points[i];
+    point.omega_jump =
+        largest_discontinuity(TwoMassSystem(mass1, mass2, point.clearance, point.restitution), point.force);
+    if (progress != nullptr) ++progress->done;
+  });
+  take_means(grid, mass2);
+  for (JumpConstant& constant : grid.constants) constant.message += "sweeps have a discontinuity";
 }
 
 // Jumps of the physics: c depends on restitution alone.
@@ -166,6 +173,36 @@ JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
   return result;
 }
 
+JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
+                   const std::vector<CompliantContact>& contact, JumpCriterion criterion, int threads,
+                   frac::Progress* progress) {
+  if (contact.empty()) throw std::invalid_argument("contact is empty; at least 1 contact is needed");
+  std::vector<FreeContact> free;
+  std::vector<double> restitution;
+  for (const CompliantContact& each : contact) {
+    detail::require_positive("contact_damping", "N s/m", each.damping());
+    free.push_back(free_contact(each, mass1, mass2));
+    restitution.push_back(free.back().restitution);
+  }
+  check(mass1, mass2, force, clearance, restitution);
+  JumpGrid result{criterion, points_of(force, clearance, restitution), {}, nan};
+  for (const double e : restitution) result.constants.push_back({e, std::nullopt, {}});
+  if (progress != nullptr) progress->total += result.points.size();
+  frac::parallel_for(result.points.size(), threads, [&](std::size_t i) {
+    JumpPoint& point = result.points[i];
+    const std::size_t which = i % contact.size();
+    const double group = stiffness_group(contact[which], mass1, mass2, point.clearance, point.force);
+    const CompliantJump jump = compliant_jump(group, free[which].damping_ratio, criterion);
+    if (jump.similarity_constant)
+      point.omega_jump = *jump.similarity_constant * std::sqrt(point.force / mass2 / point.clearance);
+    if (progress != nullptr) ++progress->done;
+  });
+  take_means(result, mass2);
+  for (JumpConstant& constant : result.constants)
+    constant.message += "scenes have a jump; c depends on the stiffness beside the force";
+  return result;
+}
+
 std::string JumpLaw::summary() const {
   using frac::detail::short_text;
   if (!usable()) return message;
@@ -176,12 +213,11 @@ std::string JumpLaw::summary() const {
          ", b = " + of_clearance(b_of_clearance);
 }
 
-JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
-                     const std::vector<double>& restitution, JumpCriterion criterion, int threads,
-                     frac::Progress* progress) {
-  require_different("force", force);
-  require_different("clearance", clearance);
-  JumpLaw result{jump_grid(mass1, mass2, force, clearance, restitution, criterion, threads, progress), {}, {}, {}, {}};
+namespace {
+
+JumpLaw law_of(JumpGrid grid, const std::vector<double>& force, const std::vector<double>& clearance) {
+  const JumpCriterion criterion = grid.criterion;
+  JumpLaw result{std::move(grid), {}, {}, {}, {}};
   std::vector<double> fitted_clearance;
   std::vector<double> a;
   std::vector<double> b;
@@ -191,7 +227,7 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
     std::vector<double> omega;
     for (const double f : force) {
       Mean mean;
-      for (std::size_t i = 0; i < restitution.size(); ++i, ++point) {
+      for (std::size_t i = 0; i < result.constants.size(); ++i, ++point) {
         if (point->omega_jump) mean.add(*point->omega_jump);
       }
       if (mean.count == 0) continue;
@@ -215,6 +251,24 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
   result.a_of_clearance = frac::fit_power_law(fitted_clearance, a);
   result.b_of_clearance = frac::fit_power_law(fitted_clearance, b);
   return result;
+}
+
+}  // namespace
+
+JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
+                     const std::vector<double>& restitution, JumpCriterion criterion, int threads,
+                     frac::Progress* progress) {
+  require_different("force", force);
+  require_different("clearance", clearance);
+  return law_of(jump_grid(mass1, mass2, force, clearance, restitution, criterion, threads, progress), force, clearance);
+}
+
+JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
+                     const std::vector<CompliantContact>& contact, JumpCriterion criterion, int threads,
+                     frac::Progress* progress) {
+  require_different("force", force);
+  require_different("clearance", clearance);
+  return law_of(jump_grid(mass1, mass2, force, clearance, contact, criterion, threads, progress), force, clearance);
 }
 
 }  // namespace backlash

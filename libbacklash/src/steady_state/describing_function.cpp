@@ -270,9 +270,7 @@ DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, d
 }
 
 SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> omega, const SweepOptions& options)
-    : scenes_(std::move(scenes)), omega_(std::move(omega)), options_(options) {
-  detail::require_frequency_grid(omega_);
-  detail::require_valid(options_);
+    : SweepPieces(std::move(scenes), std::move(omega), options, Compute()) {
   for (std::size_t i = 0; i < scenes_.size(); ++i) {
     try {
       check(scenes_[i], omega_);
@@ -281,6 +279,13 @@ SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> ome
       throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
     }
   }
+}
+
+SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> omega, const SweepOptions& options,
+                         Compute compute)
+    : scenes_(std::move(scenes)), omega_(std::move(omega)), options_(options), compute_(std::move(compute)) {
+  detail::require_frequency_grid(omega_);
+  detail::require_valid(options_);
   // Many pieces load the threads evenly; one of some hundred points takes milliseconds, so that little is lost with it.
   width_ = omega_.size();
   if (has_independent_points(options_.protocol)) width_ = std::clamp<std::size_t>(omega_.size() / 32, 1, 256);
@@ -293,6 +298,7 @@ SweepPiece SweepPieces::piece(std::size_t number) const noexcept {
 }
 
 std::vector<DescribingFunctionPoint> SweepPieces::points(std::size_t number, frac::Progress* progress) const {
+  if (compute_) return compute_(piece(number), progress);
   const auto [index, first, count] = piece(number);
   const SweepScene& scene = scenes_.at(index);
   if (!has_independent_points(options_.protocol))
@@ -321,6 +327,21 @@ void SweepPieces::compute(const std::function<bool(std::size_t)>& is_there,
   });
 }
 
+std::vector<DescribingFunctionSweep> SweepPieces::sweeps(frac::Progress* progress) const {
+  std::vector<DescribingFunctionSweep> sweeps;
+  sweeps.reserve(scenes_.size());
+  for (const SweepScene& scene : scenes_)
+    sweeps.push_back(
+        {scene.system, scene.force_amplitude, options_, std::vector<DescribingFunctionPoint>(omega_.size())});
+  const auto take = [&](std::size_t number, std::vector<DescribingFunctionPoint> points) {
+    const SweepPiece piece = this->piece(number);
+    std::move(points.begin(), points.end(),
+              sweeps[piece.scene].points.begin() + static_cast<std::ptrdiff_t>(piece.first));
+  };
+  compute([](std::size_t) { return false; }, take, progress);
+  return sweeps;
+}
+
 double expected_cost(double restitution) {
   // Of a point whose transient is short; the loss at which the limit of periods takes over.  Measured on the curves of
   // one map, 801 restitutions over frequencies of 0.5 to 4.
@@ -331,19 +352,7 @@ double expected_cost(double restitution) {
 std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
                                                                 const std::vector<double>& omega,
                                                                 const SweepOptions& options, frac::Progress* progress) {
-  const SweepPieces pieces(scenes, omega, options);
-  std::vector<DescribingFunctionSweep> sweeps;
-  sweeps.reserve(scenes.size());
-  for (const SweepScene& scene : scenes)
-    sweeps.push_back(
-        {scene.system, scene.force_amplitude, options, std::vector<DescribingFunctionPoint>(omega.size())});
-  const auto take = [&](std::size_t number, std::vector<DescribingFunctionPoint> points) {
-    const SweepPiece piece = pieces.piece(number);
-    std::move(points.begin(), points.end(),
-              sweeps[piece.scene].points.begin() + static_cast<std::ptrdiff_t>(piece.first));
-  };
-  pieces.compute([](std::size_t) { return false; }, take, progress);
-  return sweeps;
+  return SweepPieces(scenes, omega, options).sweeps(progress);
 }
 
 }  // namespace backlash

@@ -136,7 +136,7 @@ class History : public Command {
 
   int run_compliant() {
     const backlash::CompliantBodies bodies =
-        contact_.bodies(backlash::free_mass(scene_.mass1), backlash::free_mass(scene_.mass2), scene_.clearance);
+        contact_.bodies(backlash::free_mass(scene_.mass1), backlash::free_mass(scene_.mass2), scene_.clearance).front();
     const double half = 0.5 * scene_.clearance;
     const double position = std::isnan(position_) ? half : position_;
     options()["--position"].say(io::format_number(position));

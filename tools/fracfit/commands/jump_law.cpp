@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_jump.hpp"
 #include "commands/subcommand.hpp"
 #include "io/progress_bar.hpp"
 #include "options/scene_options.hpp"
@@ -31,6 +32,7 @@ class JumpLaw : public Command {
     // By default the grid of the paper's figs. 9 and 10.
     o.parsed("--restitution", restitution_, scene_values_of, "averaged over: list or grid")
         .otherwise("0,0.2,0.4,0.6,0.8,1");
+    contact_.add(o, true, false);
     o.choice("--criterion", criterion_, backlash::jump_criteria());
     o.parsed("--force", force_, scene_values_of, "list or grid").otherwise("10,20,30,40,50");
     o.parsed("--clearance", clearance_, scene_values_of, "list or grid")
@@ -39,21 +41,26 @@ class JumpLaw : public Command {
     add_progress();
     add_common({"json", "csv", "table"});
     set_footer(
+        "With contacts that take time the criterion is symmetry-loss, or saddle-node; --constants then has a row for "
+        "each force, clearance and\n"
+        "contact, with Lambda = K Delta M2/(m F), m = M1 M2/(M1 + M2), and the exponent b of the force that c(Lambda) "
+        "makes near by.\n"
         "Examples:\n"
         "  fracfit jump-law\n"
         "  fracfit jump-law --criterion symmetry-loss --restitution 0.2,0.4,0.6,0.8 --out law.json\n"
         "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table\n"
+        "  fracfit jump-law --contact-stiffness 1e4 --contact-damping 20 --format table\n"
         "  fracfit jump-law --constants --restitution 0:1:101 --format csv --out constants.csv");
   }
 
  private:
-  template <class Function>
-  auto over_grid(Function function) const {
-    require_table_size(
-        {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
+  /// @param losses  restitutions or contacts
+  template <class Losses>
+  backlash::JumpLaw over_grid(const Losses& losses) const {
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"losses", losses.size()}});
     frac::Progress progress;
     const io::ProgressBar bar("jump-law", progress, progress_style());
-    return function(mass1_, mass2_, force_, clearance_, restitution_, criterion_, threads(), &progress);
+    return backlash::fit_jump_law(mass1_, mass2_, force_, clearance_, losses, criterion_, threads(), &progress);
   }
 
   // Constants that depend on restitution alone are those of any scene; their command line names none.
@@ -71,7 +78,13 @@ class JumpLaw : public Command {
 
   int run_constants() {
     leave_out_scene();
-    const auto grid = over_grid(backlash::jump_grid);
+    require_table_size(
+        {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
+    const auto grid = [&] {
+      frac::Progress progress;
+      const io::ProgressBar bar("jump-law", progress, progress_style());
+      return backlash::jump_grid(mass1_, mass2_, force_, clearance_, restitution_, criterion_, threads(), &progress);
+    }();
     write(format() == "json"  ? jump_constants_json(command_line(), grid)
           : format() == "csv" ? jump_constants_csv(command_line(), grid)
                               : jump_constants_table(grid));
@@ -80,11 +93,15 @@ class JumpLaw : public Command {
     return no_usable_result;
   }
 
-  int run_laws() {
+  int run_laws(bool takes_time) {
     require_several("--force", force_, "10,20,50", "10:50:5");
     require_several("--clearance", clearance_, "0.1,0.2,0.5", "0.1:0.5:5");
-    const JumpLawRun run{command_line(), mass1_, mass2_};
-    const auto law = over_grid(backlash::fit_jump_law);
+    JumpLawRun run{command_line(), mass1_, mass2_};
+    if (takes_time) {
+      run.contact_columns = contact_.columns();
+      run.contacts = contact_.values();
+    }
+    const auto law = takes_time ? over_grid(contact_.contacts(mass1_, mass2_)) : over_grid(restitution_);
     if (law.message.empty() || format() != "table")
       write(format() == "json"  ? jump_law_json(run, law)
             : format() == "csv" ? jump_law_csv(run, law)
@@ -94,12 +111,47 @@ class JumpLaw : public Command {
     return no_usable_result;
   }
 
-  int run() override { return constants_ ? run_constants() : run_laws(); }
+  // Another criterion is refused by the library.
+  void take_contacts() {
+    options()["--restitution"].say("");
+    if (options()["--criterion"].is_given()) return;
+    criterion_ = backlash::JumpCriterion::symmetry_loss;
+    options()["--criterion"].say(std::string(backlash::to_string(criterion_)));
+  }
+
+  int run_contact_constants() {
+    const auto contacts = contact_.contacts(mass1_, mass2_);
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"contacts", contacts.size()}});
+    const JumpLawRun run{command_line(), mass1_, mass2_, contact_.columns(), contact_.values()};
+    std::vector<ContactJump> jumps;
+    for (const double clearance : clearance_) {
+      for (const double force : force_) {
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+          const double group = backlash::stiffness_group(contacts[i], mass1_, mass2_, clearance, force);
+          const double ratio = backlash::free_contact(contacts[i], mass1_, mass2_).damping_ratio;
+          jumps.push_back({force, clearance, run.contacts[i], backlash::compliant_jump(group, ratio, criterion_)});
+        }
+      }
+    }
+    write(contact_jumps_text(run, criterion_, jumps, format()));
+    if (std::ranges::any_of(jumps, [](const auto& each) { return each.jump.similarity_constant.has_value(); }))
+      return usable_result;
+    say("no contact has a jump by this criterion");
+    return no_usable_result;
+  }
+
+  int run() override {
+    const bool takes_time = contact_.are_given(options());
+    if (takes_time) take_contacts();
+    if (constants_) return takes_time ? run_contact_constants() : run_constants();
+    return run_laws(takes_time);
+  }
 
   bool constants_ = false;
   std::vector<double> restitution_, force_, clearance_;
   backlash::JumpCriterion criterion_ = backlash::JumpCriterion::two_impact_loss;
   double mass1_ = 1, mass2_ = 1;
+  CompliantOptions contact_;
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ class Simulate : public SweepCommand {
     o.parsed("--force", force_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
     o.parsed("--clearance", clearance_, scene_values_of, ">= 0; several too").required();
     o.parsed("--restitution", restitution_, scene_values_of, "several too");
-    contact_.add(o);
+    contact_.add(o, true);
     o.number("--mass1", mass1_).default_is("1");
     o.number("--mass2", mass2_).default_is("1");
     add_receptances(o, load_, drive_);
@@ -51,7 +51,6 @@ class Simulate : public SweepCommand {
     add_shard("scenes")
         .not_with(is_static, "which is a closed form of one scene")
         .not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
-    CompliantOptions::exclude(o["--shard"], "whose scenes are computed at once");
     add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
@@ -59,7 +58,7 @@ class Simulate : public SweepCommand {
         "on\n"
         "with it after an interruption.\n"
         "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
-        "clearance_m, restitution in front.\n"
+        "clearance_m, restitution in front; several contacts with columns of the two options that give them.\n"
         "With receptances or compliant contacts --protocol is two-impact unless given.\n"
         "Examples:\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
@@ -92,47 +91,52 @@ class Simulate : public SweepCommand {
   [[nodiscard]] PointForm json_form() const { return form(PointColumns::with_diagnostics, has_loss_factor()); }
   [[nodiscard]] bool has_loss_factor() const { return sweep_.output == backlash::Output::x1 && !load_ && !drive_; }
 
-  void default_to_two_impact() {
-    if (options()["--protocol"].is_given()) return;
-    sweep_.protocol = backlash::Protocol::two_impact;
-    options()["--protocol"].say(std::string(backlash::to_string(sweep_.protocol)));
-  }
-
-  // Every combination of force and clearance, force slowest.
+  // Every combination, force slowest.
   int run_compliant() {
-    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--omega", omega_.size()}});
-    std::vector<backlash::CompliantScene> scenes;
+    const auto values = contact_.values();
+    const std::size_t contacts = values.size();
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"contacts", contacts}});
+    std::vector<LabelledScene> scenes;
+    std::vector<io::Metadata> entries;
+    io::Metadata shared;
     for (const double force : force_) {
-      for (const double clearance : clearance_)
-        scenes.push_back({contact_.bodies(load_.value_or(backlash::free_mass(mass1_)),
-                                          drive_.value_or(backlash::free_mass(mass2_)), clearance),
-                          force});
+      for (const double clearance : clearance_) {
+        const std::vector<backlash::CompliantBodies> bodies = contact_.bodies(
+            load_.value_or(backlash::free_mass(mass1_)), drive_.value_or(backlash::free_mass(mass2_)), clearance);
+        shared = contacts == 1 ? contact_entries(bodies.front()) : friction_entries(bodies.front());
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+          scenes.push_back({{bodies[i], force}, {force, clearance}});
+          entries.push_back(contact_entries(bodies[i]));
+          if (contacts == 1) continue;
+          scenes.back().labels.insert(scenes.back().labels.end(), values[i].begin(), values[i].end());
+        }
+      }
     }
-    default_to_two_impact();
+    std::vector<std::string> labels;
+    if (scenes.size() > 1) labels = {"force_n", "clearance_m"};
+    if (scenes.size() == 1) scenes.front().labels.clear();
+    if (contacts > 1)
+      for (const std::string& column : contact_.columns()) labels.push_back(column);
+    default_to_two_impact(sweep_);
     sweep_.threads = threads();
+    const bool has_loss = has_loss_factor() && scenes.front().scene.bodies.are_free();
+    if (format() != "json") return write_points(scenes, labels, shared, omega_, sweep_, form(columns(), has_loss));
+
+    require_table_size({{"scenes", scenes.size()}, {"--omega", omega_.size()}});
+    std::vector<backlash::CompliantScene> bodies;
+    for (const LabelledScene& each : scenes) bodies.push_back(each.scene);
     frac::Progress progress;
     const auto sweeps = [&] {
       const io::ProgressBar bar(name(), progress, progress_style());
-      return backlash::bodies_describing_functions(scenes, omega_, sweep_, &progress);
+      return backlash::bodies_describing_functions(bodies, omega_, sweep_, &progress);
     }();
-    const bool has_loss = has_loss_factor() && scenes.front().bodies.are_free();
-    const io::Metadata contact = contact_entries(scenes.front().bodies);
+    const PointForm all = form(PointColumns::with_diagnostics, has_loss);
+    write(sweeps.size() == 1 ? sweep_json(sweeps.front(), all, command_line(), entries.front())
+                             : sweeps_json(sweeps, all, command_line(), entries));
     PointCounts counts;
     for (const auto& sweep : sweeps) counts.add(sweep.points, quantity());
-    if (format() == "json") {
-      const PointForm all = form(PointColumns::with_diagnostics, has_loss);
-      write(sweeps.size() == 1 ? sweep_json(sweeps.front(), all, command_line(), contact)
-                               : sweeps_json(sweeps, all, command_line(), contact));
-    } else {
-      std::vector<backlash::DescribingFunctionPoint> points;
-      for (const auto& sweep : sweeps) points.insert(points.end(), sweep.points.begin(), sweep.points.end());
-      const SweepTable table = compliant_table(sweeps, contact, form(columns(), has_loss));
-      write(text_of(document_of(table, 0, omega_.size(), points), format(), command_line()));
-    }
-    if (counts.not_finite > 0)
-      say("contacts so fast, or a gap so small against them, that rounding is all that is left have no value here; "
-          "--restitution is their limit");
-    return exit_code_of(counts, form(columns(), has_loss));
+    say_what_rounding_left(counts.not_finite);
+    return exit_code_of(counts, all);
   }
 
   int run_bodies() {
@@ -142,7 +146,7 @@ class Simulate : public SweepCommand {
     const backlash::LinearBodies bodies(load_.value_or(backlash::free_mass(mass1_)),
                                         drive_.value_or(backlash::free_mass(mass2_)), clearance_.front(),
                                         restitution_.front());
-    default_to_two_impact();
+    default_to_two_impact(sweep_);
     const backlash::DescribingFunctionSweep sweep =
         backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_);
     if (format() == "json") {

@@ -88,12 +88,14 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
   for (const Option& option : command.options().all())
     if (!option.is_argument()) names.push_back(option.name());
   const std::string name = unknown->substr(0, unknown->find('='));
-  const bool has_contacts = std::find(names.begin(), names.end(), "--restitution") != names.end();
-  if (has_contacts && is_compliant_option(name))
+  const auto takes = [&](const char* option) { return std::find(names.begin(), names.end(), option) != names.end(); };
+  if (takes("--restitution") && is_compliant_option(name))
     refuse(
-        command.name() + " does not take " + name +
-            ": its contacts have a restitution and take no time, and its bodies no dry friction; simulate and history "
-            "take it",
+        command.name() + " does not take " + name + ": " +
+            (takes("--contact-stiffness") ? "its bodies have no dry friction"
+                                          : "its contacts have a restitution and take no time, and its bodies no dry "
+                                            "friction") +
+            "; simulate, map and history take it",
         command.name());
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }

@@ -34,16 +34,25 @@ void add_scene(Options& options, Scene& scene) {
   add_masses(options, scene.mass1, scene.mass2);
 }
 
-void CompliantOptions::add(Options& options) {
-  options.number("--contact-stiffness", stiffness_);
-  options.number("--contact-damping", damping_).only_with({"--contact-stiffness"}).needed_with({"--contact-stiffness"});
-  options.number("--contact-frequency", frequency_);
-  options.number("--contact-ratio", ratio_).only_with({"--contact-frequency"});
-  options.number("--contact-restitution", restitution_).only_with({"--contact-frequency"});
+void CompliantOptions::add(Options& options, bool several, bool friction) {
+  const auto declare = [&](const char* name, std::vector<double>& target) -> Option& {
+    return options.parsed(
+        name, target,
+        [several](std::string_view of, const std::string& text) {
+          return several ? scene_values_of(of, text) : std::vector<double>{number_of(of, text)};
+        },
+        several ? "several too" : "");
+  };
+  declare("--contact-stiffness", stiffness_);
+  declare("--contact-damping", damping_).only_with({"--contact-stiffness"}).needed_with({"--contact-stiffness"});
+  declare("--contact-frequency", frequency_);
+  declare("--contact-ratio", ratio_).only_with({"--contact-frequency"});
+  declare("--contact-restitution", restitution_).only_with({"--contact-frequency"});
   options.at_most_one({"--restitution", "--contact-stiffness", "--contact-frequency"});
   options.at_most_one({"--contact-ratio", "--contact-restitution"});
-  for (double* friction : {&friction_.body1, &friction_.body2})
-    options.number(friction == &friction_.body1 ? "--friction1" : "--friction2", *friction)
+  if (!friction) return;
+  for (double* each : {&friction_.body1, &friction_.body2})
+    options.number(each == &friction_.body1 ? "--friction1" : "--friction2", *each)
         .not_with({"--restitution"}, "whose contacts take no time; give --contact-stiffness or --contact-frequency");
 }
 
@@ -56,20 +65,44 @@ bool CompliantOptions::are_given(const Options& options) const {
   if (by_frequency && !options["--contact-ratio"].is_given() && !options["--contact-restitution"].is_given())
     throw std::invalid_argument("--contact-frequency needs --contact-ratio or --contact-restitution");
   if (by_frequency || options["--contact-stiffness"].is_given()) return true;
-  if (options["--restitution"].is_given()) return false;
+  if (!options["--restitution"].text().empty()) return false;  // given, or the default
   throw std::invalid_argument("--restitution is missing, or --contact-stiffness or --contact-frequency instead");
 }
 
-backlash::CompliantBodies CompliantOptions::bodies(frac::FractionalTransferFunction load,
-                                                   frac::FractionalTransferFunction drive, double clearance) const {
-  const auto contact = [&] {
-    if (!std::isnan(stiffness_)) return backlash::CompliantContact(stiffness_, damping_);
-    const backlash::LinearBodies elastic(load, drive, clearance, 1);
-    const double ratio = std::isnan(restitution_) ? ratio_ : backlash::damping_ratio_of_restitution(restitution_);
-    return backlash::CompliantContact::from_frequency(frequency_, ratio, elastic.system().mass1(),
-                                                      elastic.system().mass2());
-  }();
-  return {std::move(load), std::move(drive), clearance, contact, friction_};
+std::array<std::string, 2> CompliantOptions::columns() const {
+  if (frequency_.empty()) return {"contact_stiffness_n_m", "contact_damping_n_s_m"};
+  return {"contact_frequency_rad_s", ratio_.empty() ? "contact_restitution" : "contact_ratio"};
+}
+
+std::vector<std::array<double, 2>> CompliantOptions::values() const {
+  std::vector<std::array<double, 2>> values;
+  for (const double first : frequency_.empty() ? stiffness_ : frequency_)
+    for (const double second : frequency_.empty() ? damping_ : ratio_.empty() ? restitution_ : ratio_)
+      values.push_back({first, second});
+  return values;
+}
+
+std::vector<backlash::CompliantContact> CompliantOptions::contacts(double mass1, double mass2) const {
+  std::vector<backlash::CompliantContact> contacts;
+  for (const auto& [first, second] : values()) {
+    if (frequency_.empty()) {
+      contacts.emplace_back(first, second);
+      continue;
+    }
+    const double ratio = ratio_.empty() ? backlash::damping_ratio_of_restitution(second) : second;
+    contacts.push_back(backlash::CompliantContact::from_frequency(first, ratio, mass1, mass2));
+  }
+  return contacts;
+}
+
+std::vector<backlash::CompliantBodies> CompliantOptions::bodies(const frac::FractionalTransferFunction& load,
+                                                                const frac::FractionalTransferFunction& drive,
+                                                                double clearance) const {
+  const backlash::LinearBodies elastic(load, drive, clearance, 1);
+  std::vector<backlash::CompliantBodies> bodies;
+  for (const auto& contact : contacts(elastic.system().mass1(), elastic.system().mass2()))
+    bodies.emplace_back(load, drive, clearance, contact, friction_);
+  return bodies;
 }
 
 io::Metadata contact_entries(const backlash::CompliantBodies& bodies) {
@@ -80,10 +113,15 @@ io::Metadata contact_entries(const backlash::CompliantBodies& bodies) {
        {std::pair{"contact_stiffness_n_m", bodies.contact().stiffness()},
         std::pair{"contact_damping_n_s_m", bodies.contact().damping()},
         std::pair{"contact_frequency_rad_s", free.frequency}, std::pair{"contact_ratio", free.damping_ratio},
-        std::pair{"contact_restitution", free.restitution}, std::pair{"contact_time_s", free.duration},
-        std::pair{"friction1_n", bodies.friction().body1}, std::pair{"friction2_n", bodies.friction().body2}})
+        std::pair{"contact_restitution", free.restitution}, std::pair{"contact_time_s", free.duration}})
     entries.emplace_back(key, io::format_number(value));
+  for (auto& entry : friction_entries(bodies)) entries.push_back(std::move(entry));
   return entries;
+}
+
+io::Metadata friction_entries(const backlash::CompliantBodies& bodies) {
+  return {{"friction1_n", io::format_number(bodies.friction().body1)},
+          {"friction2_n", io::format_number(bodies.friction().body2)}};
 }
 
 bool is_compliant_option(std::string_view name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -34,21 +35,32 @@ void add_scene(Options& options, Scene& scene);
 class CompliantOptions {
  public:
   /// After --restitution is declared, which then may be left out.
-  void add(Options& options);
+  /// @param several   whether those of contacts may be lists
+  /// @param friction  whether bodies may have dry friction
+  void add(Options& options, bool several = false, bool friction = true);
   /// Refuses the option where contacts take time.
   static void exclude(Option& option, const std::string& why);
   /// Which of the two kinds of contact was given. @throws std::invalid_argument  none.
   [[nodiscard]] bool are_given(const Options& options) const;
+  /// Of each contact, every combination of the two options that give it, the first of them slowest.
+  /// @throws std::invalid_argument  as CompliantContact.
+  [[nodiscard]] std::vector<backlash::CompliantContact> contacts(double mass1, double mass2) const;
   /// @throws std::invalid_argument  as CompliantBodies.
-  [[nodiscard]] backlash::CompliantBodies bodies(frac::FractionalTransferFunction load,
-                                                 frac::FractionalTransferFunction drive, double clearance) const;
+  [[nodiscard]] std::vector<backlash::CompliantBodies> bodies(const frac::FractionalTransferFunction& load,
+                                                              const frac::FractionalTransferFunction& drive,
+                                                              double clearance) const;
+  /// Names of these two in contact_entries(), and their values for each contact: what tells contacts apart.
+  [[nodiscard]] std::array<std::string, 2> columns() const;
+  [[nodiscard]] std::vector<std::array<double, 2>> values() const;
 
  private:
-  double stiffness_ = NAN, damping_ = NAN, frequency_ = NAN, ratio_ = NAN, restitution_ = NAN;
+  std::vector<double> stiffness_, damping_, frequency_, ratio_, restitution_;
   backlash::CoulombFriction friction_;
 };
 /// Entries of a file in place of that of a restitution.
 [[nodiscard]] io::Metadata contact_entries(const backlash::CompliantBodies& bodies);
+/// The last of them, of bodies whose contacts differ.
+[[nodiscard]] io::Metadata friction_entries(const backlash::CompliantBodies& bodies);
 /// Whether only commands with CompliantOptions take an option of that name.
 [[nodiscard]] bool is_compliant_option(std::string_view name);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
@@ -108,6 +109,25 @@ std::string jump_constants_csv(const std::string& command, const backlash::JumpG
                  "csv", command);
 }
 
+std::string contact_jumps_text(const JumpLawRun& run, backlash::JumpCriterion criterion,
+                               const std::vector<ContactJump>& jumps, const std::string& format) {
+  const auto fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& [force, clearance, contact, jump] = jumps[i];
+    for (const double value : {force, clearance, contact[0], contact[1], jump.stiffness_group,
+                               jump.similarity_constant.value_or(nan), jump.exponent})
+      cells.emplace_back(value);
+    cells.emplace_back(jump.message);
+  };
+  return text_of({{{"mass1_kg", io::format_number(run.mass1)},
+                   {"mass2_kg", io::format_number(run.mass2)},
+                   {"criterion", std::string(backlash::to_string(criterion))}},
+                  {{"force_n", "clearance_m", run.contact_columns[0], run.contact_columns[1], "stiffness_group",
+                    "similarity_constant", "exponent", "meaning"},
+                   jumps.size(),
+                   fill}},
+                 format, run.command);
+}
+
 std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) {
   const backlash::PublishedJumpLaw published;
   const auto published_a = power_law(published.a_coefficient, published.a_exponent);
@@ -145,7 +165,11 @@ std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
     const auto& point = law.points[i];
     for (const double value : {point.force, point.clearance, point.restitution, point.omega_jump.value_or(nan)})
       cells.emplace_back(value);
+    if (run.contacts.empty()) return;
+    for (const double value : run.contacts[i % run.contacts.size()]) cells.emplace_back(value);
   };
+  std::vector<std::string> columns{"force_n", "clearance_m", "restitution", "omega_jump_rad_s"};
+  if (!run.contacts.empty()) columns.insert(columns.end(), run.contact_columns.begin(), run.contact_columns.end());
   return text_of({{{"mass1_kg", io::format_number(run.mass1)},
                    {"mass2_kg", io::format_number(run.mass2)},
                    {"criterion", std::string(backlash::to_string(law.criterion))},
@@ -154,7 +178,7 @@ std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
                    {"b_coefficient", io::format_number(law.b_of_clearance.coefficient)},
                    {"b_exponent", io::format_number(law.b_of_clearance.exponent)},
                    {"mean_similarity_constant", io::format_number(law.mean_similarity_constant)}},
-                  {{"force_n", "clearance_m", "restitution", "omega_jump_rad_s"}, law.points.size(), fill}},
+                  {std::move(columns), law.points.size(), fill}},
                  "csv", run.command);
 }
 
@@ -174,14 +198,18 @@ std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   json["criterion"] = backlash::to_string(law.criterion);
   json["mean_similarity_constant"] = law.mean_similarity_constant;
   // Names with units, as in every other output, beside those without, which older readers know.
-  json["points"] = Json::list(law.points, [](const auto& point) {
-    return Json{{"force", point.force},
-                {"clearance", point.clearance},
-                {"restitution", point.restitution},
-                {"omega_jump", point.omega_jump},
-                {"force_n", point.force},
-                {"clearance_m", point.clearance},
-                {"omega_jump_rad_s", point.omega_jump}};
+  json["points"] = Json::list(law.points, [&](const auto& point) {
+    Json each{{"force", point.force},
+              {"clearance", point.clearance},
+              {"restitution", point.restitution},
+              {"omega_jump", point.omega_jump},
+              {"force_n", point.force},
+              {"clearance_m", point.clearance},
+              {"omega_jump_rad_s", point.omega_jump}};
+    if (run.contacts.empty()) return each;
+    const auto at = static_cast<std::size_t>(&point - law.points.data()) % run.contacts.size();
+    for (std::size_t k = 0; k < 2; ++k) each[run.contact_columns[k]] = run.contacts[at][k];
+    return each;
   });
   json["constants"] = constants_json(law);
   json["averaged"] = averaged_count(law);

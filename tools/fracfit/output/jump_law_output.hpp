@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include "backlash/compliant/compliant_jump.hpp"
 #include "backlash/identification/jump_law.hpp"
 
 namespace fracfit {
@@ -12,6 +15,10 @@ namespace fracfit {
 struct JumpLawRun {
   std::string command;
   double mass1, mass2;  // kg
+  /// Of contacts that take time the names and values of the two options that give them, in the order of the points; of
+  /// others none.
+  std::array<std::string, 2> contact_columns{};
+  std::vector<std::array<double, 2>> contacts{};
 };
 
 /// The similarity law a = c (Delta M2)^-1/2, b = 1/2 at mean c.
@@ -30,6 +37,15 @@ struct SimilarityLaw {
 [[nodiscard]] std::string jump_constants_table(const backlash::JumpGrid& grid);
 [[nodiscard]] std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid);
 [[nodiscard]] std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid);
+
+/// A row for each force, clearance and contact: c and the exponent b with contacts that take time.
+struct ContactJump {
+  double force, clearance;        // N, m
+  std::array<double, 2> contact;  // as JumpLawRun::contacts
+  backlash::CompliantJump jump;
+};
+[[nodiscard]] std::string contact_jumps_text(const JumpLawRun& run, backlash::JumpCriterion criterion,
+                                             const std::vector<ContactJump>& jumps, const std::string& format);
 
 [[nodiscard]] std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law);
 /// One row per point; the laws stand in "# key: value" lines.

@@ -186,22 +186,24 @@ SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::
           shard};
 }
 
-SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const io::Metadata& contact,
-                           const PointForm& form) {
+SweepTable compliant_table(const backlash::SweepScene& scene, const std::vector<LabelledScene>& part,
+                           const std::vector<std::string>& labels, const io::Metadata& contact,
+                           const backlash::SweepOptions& options, const PointForm& form, const io::Shard& shard) {
+  io::Metadata head{{"model", "dynamic"}};
+  for (const auto& [key, value] :
+       {std::pair{"mass1_kg", scene.system.mass1()}, std::pair{"mass2_kg", scene.system.mass2()},
+        std::pair{"clearance_m", scene.system.clearance()}, std::pair{"force_n", scene.force_amplitude}})
+    if (std::find(labels.begin(), labels.end(), key) == labels.end()) head.emplace_back(key, io::format_number(value));
+  head.insert(head.end(), contact.begin(), contact.end());
+  append_options(head, options, options.mean_tolerance > 0, form.quantity);
   std::vector<backlash::SweepScene> scenes;
-  for (const auto& sweep : sweeps) scenes.push_back({sweep.system, sweep.force_amplitude});
-  SweepTable table = sweep_table(scenes, scenes, sweeps.front().options, form, {});
-  if (sweeps.size() == 1) {
-    table.head = with_contact(std::move(table.head), contact);
-    return table;
-  }
-  // Masses stand second and third; the last of what tells curves apart, restitution, is that of the contact.
-  table.head.insert(table.head.begin() + 3, contact.begin(), contact.end());
-  table.columns.erase(table.columns.begin() + 2);
-  table.in_front = [scenes](std::size_t curve) {
-    return std::vector<Cell>{scenes[curve].force_amplitude, scenes[curve].system.clearance()};
-  };
-  return table;
+  for (const LabelledScene& each : part) scenes.push_back({each.scene.bodies.system(), each.scene.force_amplitude});
+  return {std::move(head),
+          point_columns(form, labels),
+          form,
+          std::move(scenes),
+          [part](std::size_t curve) { return std::vector<Cell>(part[curve].labels.begin(), part[curve].labels.end()); },
+          shard};
 }
 
 Document document_of(const SweepTable& table, std::size_t first, std::size_t width, const std::vector<Point>& points) {
@@ -227,12 +229,13 @@ std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const Poi
 }
 
 std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const PointForm& form,
-                        const std::string& command, const io::Metadata& contact) {
+                        const std::string& command, const std::vector<io::Metadata>& contacts) {
   Json json = origin(command);
   json["sweeps"] = Json::array();
-  for (const auto& sweep : sweeps)
-    append_sweep(json["sweeps"].push_back(Json::object()), with_contact(scene_of(sweep, form.quantity), contact),
-                 points_with_types(sweep, form));
+  for (std::size_t i = 0; i < sweeps.size(); ++i)
+    append_sweep(json["sweeps"].push_back(Json::object()),
+                 with_contact(scene_of(sweeps[i], form.quantity), contacts.empty() ? io::Metadata() : contacts[i]),
+                 points_with_types(sweeps[i], form));
   return json.dump() + "\n";
 }
 

@@ -60,10 +60,20 @@ struct SweepTable {
                                      const backlash::SweepOptions& options, const PointForm& form,
                                      const io::Shard& shard);
 
-/// Table of one curve of bodies whose contacts take time, or of several told apart by force and clearance.
-/// @param contact  of all of them, see contact_entries()
-[[nodiscard]] SweepTable compliant_table(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
-                                         const io::Metadata& contact, const PointForm& form);
+/// A curve of bodies whose contacts take time, with the values that tell it from the others of its table.
+struct LabelledScene {
+  backlash::CompliantScene scene;
+  std::vector<double> labels;
+};
+/// Table of such curves.
+/// @param scene    one of them: what of it is no label stands in the head
+/// @param part     curves of this shard
+/// @param labels   columns of their values
+/// @param contact  entries of all of them, see contact_entries() and friction_entries()
+[[nodiscard]] SweepTable compliant_table(const backlash::SweepScene& scene, const std::vector<LabelledScene>& part,
+                                         const std::vector<std::string>& labels, const io::Metadata& contact,
+                                         const backlash::SweepOptions& options, const PointForm& form,
+                                         const io::Shard& shard);
 
 // The rows refer to what they are made from, which has to outlive them.
 
@@ -76,12 +86,12 @@ struct SweepTable {
 [[nodiscard]] Document document_of(const StaticCurve& curve, backlash::Quantity quantity);
 
 /// JSON has the points of each sweep below its scene, with all columns of the form.
-/// @param contact  entries in place of the restitution, see contact_entries()
+/// @param contact,contacts  entries in place of the restitution, of each sweep: see contact_entries()
 [[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const PointForm& form,
                                      const std::string& command, const io::Metadata& contact = {});
 [[nodiscard]] std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
                                       const PointForm& form, const std::string& command,
-                                      const io::Metadata& contact = {});
+                                      const std::vector<io::Metadata>& contacts = {});
 [[nodiscard]] std::string static_curve_json(const StaticCurve& curve, backlash::Quantity quantity,
                                             const std::string& command);
 

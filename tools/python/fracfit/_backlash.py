@@ -122,7 +122,10 @@ class DescribingFunction(_Points):
 
 
 class RegimeMap(_Points):
-    """Describing function over restitution (rows) and frequency (columns); attributes as `DescribingFunction`."""
+    """Describing function over restitution (rows) and frequency (columns); attributes as `DescribingFunction`.
+
+    Where contacts take time `restitution` is that of free ones.
+    """
 
     restitution: np.ndarray
 
@@ -303,12 +306,16 @@ def restitution_from_loss_factor(loss_factor: float) -> float | None:
 @named
 def regime_map(
     omega: Any,
-    restitution: Any,
+    restitution: Any = None,
     *,
     force: float = 1.0,
     clearance: float = 1.0,
     mass1: float = 1.0,
     mass2: float = 1.0,
+    contact_stiffness: Any = None,
+    contact_damping: Any = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     protocol: str = "sweep-up",
     body: str = "x1",
     tolerance: float = 1e-10,
@@ -323,7 +330,27 @@ def regime_map(
     >>> import fracfit
     >>> fracfit.regime_map([1.0, 2.0, 3.0], [0.2, 0.8])
     RegimeMap(2 x 3 points: 2 symmetric, 1 periodic, 2 chatter, 1 averaged)
+    >>> fracfit.regime_map([1.5, 2.0], contact_stiffness=[50.0, 200.0], contact_damping=1.0, protocol="two-impact")
+    RegimeMap(2 x 2 points: 3 symmetric, 1 periodic)
     """
+    if contact_stiffness is not None:
+        dampings = np.nan if contact_damping is None else contact_damping
+        pairs = np.broadcast_arrays(np.atleast_1d(contact_stiffness), dampings)
+        curves = describing_function(
+            omega, restitution=restitution, force=number(force, "force"), clearance=number(clearance, "clearance"),
+            mass1=number(mass1, "mass1"), mass2=number(mass2, "mass2"), contact_stiffness=pairs[0],
+            contact_damping=None if contact_damping is None else pairs[1],
+            friction1=None if friction1 is None else number(friction1, "friction1"),
+            friction2=None if friction2 is None else number(friction2, "friction2"), protocol=protocol, body=body,
+            tolerance=tolerance, mean_tolerance=mean_tolerance, threads=threads, progress=progress,
+        )  # fmt: skip
+        free = [free_contact(stiffness=k, damping=c, mass1=mass1, mass2=mass2) for k, c in zip(*pairs)]
+        return RegimeMap({**curves._values(), "restitution": np.array([each["restitution"] for each in free])})
+    for name, value in (("contact_damping", contact_damping), ("friction1", friction1), ("friction2", friction2)):
+        if value is not None:
+            raise ValueError(f"{name} has no meaning with restitution, whose contacts take no time")
+    if restitution is None:
+        raise ValueError("give either restitution or contact_stiffness with contact_damping")
     omega = real_array(omega, "omega")
     restitution = real_array(restitution, "restitution")
     options = _options(protocol, body, tolerance, mean_tolerance, threads)

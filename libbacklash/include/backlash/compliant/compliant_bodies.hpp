@@ -6,6 +6,7 @@
 #include "backlash/compliant_contact.hpp"
 #include "backlash/describing_function.hpp"
 #include "backlash/loops/linear_bodies.hpp"
+#include "backlash/sweep_pieces.hpp"
 #include "frac/parallel_for.hpp"
 
 namespace backlash {
@@ -76,5 +77,8 @@ struct CompliantScene {
 [[nodiscard]] std::vector<DescribingFunctionSweep> bodies_describing_functions(
     const std::vector<CompliantScene>& scenes, const std::vector<double>& omega, const SweepOptions& options,
     frac::Progress* progress = nullptr);
+/// The same piece by piece.
+[[nodiscard]] SweepPieces bodies_sweep_pieces(std::vector<CompliantScene> scenes, std::vector<double> omega,
+                                              const SweepOptions& options);
 
 }  // namespace backlash

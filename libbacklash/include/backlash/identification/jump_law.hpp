@@ -5,15 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant_contact.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "frac/identification/power_law.hpp"
 
 namespace backlash {
 
 struct JumpPoint {
-  double force;      // N
-  double clearance;  // m
-  double restitution;
+  double force;                      // N
+  double clearance;                  // m
+  double restitution;                // of a free contact where contacts take time
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
 
@@ -71,11 +72,21 @@ struct PublishedJumpLaw {
                                  const std::vector<double>& clearance, const std::vector<double>& restitution,
                                  JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
 
+/// Of free masses whose contacts take time, by symmetry_loss or saddle_node, see compliant_jump(): c depends on the
+/// stiffness beside the force too, and the constant of a contact is the mean over the scenes.
+/// @param contact  each with a damping > 0
+[[nodiscard]] JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
+                                 const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
+                                 JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
+
 /// The power laws of such a grid.  Where fewer than two clearances have a jump at two forces there is none, and
 /// `message` says so.
 /// @throws std::invalid_argument  as jump_grid, or fewer than 2 different forces or clearances.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
+                                   JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
+[[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
+                                   const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
 
 }  // namespace backlash
