@@ -10,7 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "frac/identification/identify.hpp"
+#include "frac/identification/component_power_law.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
@@ -93,6 +94,74 @@ TEST(Outliers, ThoseThatTheModelMeetsAreTakenBack) {
     const auto missed = frac::fit(frac::without_points(data, left_out), poor, options);
     EXPECT_TRUE(frac::points_met(data, left_out, options, missed).empty()) << seed;
   }
+}
+
+// fit() of screened data ends as fit() of what these keep: a resonance narrower than the steps between the points is
+// taken back unless its own noise stands in the way, a point displaced by 30 % never is.  A ranking does the same.
+TEST(Outliers, TheFitOfScreenedDataIsThatOfWhatItKeeps) {
+  const frac::NamedModel model{
+      "lag and resonance", "g/(T s + 1) + b s/(s^2 + c s + e)", frac::ModelClass::integer_order, "", {}};
+  const frac::FitOptions options = support::both_parts();
+  constexpr std::size_t displaced = 10;
+  int taken_back = 0;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    std::mt19937_64 generator(seed);
+    std::normal_distribution<double> normal(0, 0.003);
+    std::vector<double> omega;
+    std::vector<std::complex<double>> value;
+    for (int i = 0; i < 50; ++i) {
+      omega.push_back(std::pow(10.0, -1 + (i + 0.01) * 2 / 49));
+      const std::complex<double> s(0, omega.back());
+      const std::complex<double> noise(1 + normal(generator), normal(generator));
+      value.push_back((1.0 / (0.8 * s + 1.0) + 0.01 * s / (s * s + 0.003 * s + 1.3)) * noise);
+    }
+    value[displaced] *= 1.3;
+    const frac::FrequencyResponseData data(omega, value);
+    frac::ScreenedData points(data, options, false);
+    ASSERT_EQ(points.left_out().size(), 2u) << seed;
+    const frac::ModelFit made = frac::fit(points, frac::ModelRequest{model}, options);
+    EXPECT_EQ(points.left_out().front(), displaced) << seed;
+    EXPECT_EQ(points.left_out().size(), points.taken_back().empty() ? 2u : 1u) << seed;
+    taken_back += !points.taken_back().empty();
+    const auto alone = frac::fit(points.kept(), frac::Structure(model.formula), options);
+    EXPECT_EQ(made.result.cost, alone.cost) << seed;
+    EXPECT_EQ(made.result.parameters.front().value, alone.parameters.front().value) << seed;
+    frac::ScreenedData ranked(data, options, false);
+    static_cast<void>(frac::identify(ranked, {model}, {}, options, 1));
+    EXPECT_EQ(ranked.left_out(), points.left_out()) << seed;
+  }
+  EXPECT_GE(taken_back, 2);
+}
+
+// A law of the imaginary part is judged against that part, also where the real one is a thousand times larger and 10 %
+// of the imaginary part would be little of the whole.
+TEST(Outliers, OfAComponentAloneAreJudgedAgainstIt) {
+  std::mt19937_64 generator(4);
+  std::normal_distribution<double> normal(0, 0.01);
+  const auto omega = support::four_decades(40);
+  std::vector<std::complex<double>> value;
+  for (const double each : omega) value.emplace_back(1000, std::pow(each, 0.3) * (1 + normal(generator)));
+  const std::size_t displaced = 17;
+  value[displaced].imag(2 * value[displaced].imag());
+  const frac::FrequencyResponseData data(omega, value);
+  frac::FitOptions options;
+  options.component = Component::imaginary;
+  frac::ModelRequest law{frac::component_power_law(options.component)};
+  law.component_alone = true;
+  frac::ScreenedData points(data, options, false);
+  EXPECT_EQ(points.left_out(), std::vector<std::size_t>{displaced});
+  static_cast<void>(frac::fit(points, law, options));
+  EXPECT_EQ(points.left_out(), std::vector<std::size_t>{displaced});
+}
+
+// Values of given curves at the points that are left out go with these.
+TEST(Outliers, CurvesLoseTheirValuesToo) {
+  const auto clean = support::noisy_response("1/(s + 1)", {}, 0.003, 1);
+  std::vector<std::complex<double>> value = clean.value();
+  for (const std::size_t displaced : {5u, 20u}) value[displaced] *= 1.5;
+  const frac::ScreenedData points({clean.omega(), value}, support::both_parts(), false);
+  ASSERT_EQ(points.left_out(), (std::vector<std::size_t>{5, 20}));
+  EXPECT_EQ(frac::at_kept(points, {{"given", value}}).front().value, points.kept().value());
 }
 
 // Residuals of an exact fit are rounding, of which neither a correlation nor a multiple tells anything.

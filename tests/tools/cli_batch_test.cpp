@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <set>
 #include <sstream>
 #include <string>
@@ -383,6 +384,40 @@ TEST_F(Batch, LeavesOutThePointsThatFitLeavesOut) {
     const auto identify = run_fracfit(
         {"identify", file, "--models", "power-law,gain", "--component", "both", "--outliers", how, "--format", "json"});
     EXPECT_EQ(Json::parse(identify.output)["data"]["left_out"], json["data"]["left_out"]);
+  }
+}
+
+// A resonance narrower than the steps between the points contradicts its neighbours, and the model takes it back: the
+// row of a curve is the answer of fit to the bit, and that of the next one, which begins there, to the tolerance of the
+// search.
+TEST_F(Batch, TakesBackThePointsThatFitTakesBack) {
+  std::mt19937_64 generator(1);
+  std::normal_distribution<double> normal(0, 0.003);
+  const auto file_of = [&](const std::string& name) {
+    std::ostringstream rows;
+    rows.precision(12);
+    rows << "omega_rad_s,re,im\n";
+    for (int i = 0; i < 50; ++i) {
+      const double omega = std::pow(10.0, -1 + (i + 0.01) * 2 / 49);
+      const std::complex<double> s(0, omega);
+      const std::complex<double> noise(1 + normal(generator), normal(generator));
+      const auto value = (1.0 / (0.8 * s + 1.0) + 0.01 * s / (s * s + 0.003 * s + 1.3)) * noise;
+      rows << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    return folder.write(name, rows.str());
+  };
+  const std::vector<std::string> files{file_of("a.csv"), file_of("b.csv")};
+  const std::string model = "g/(T s + 1) + b s/(s^2 + c s + e)";
+  const auto batch = run_fracfit({"batch", files[0], files[1], "--model", model, "--format", "jsonl"});
+  ASSERT_EQ(batch.code, 0) << batch.error;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto row = Json::parse(lines_of(batch.output).at(1 + i));
+    const auto fit = run_fracfit({"fit", files[i], "--model", model, "--format", "json"});
+    EXPECT_NE(fit.error.find("taken in again"), std::string::npos) << fit.error;
+    const auto json = Json::parse(fit.output);
+    EXPECT_EQ(row["left_out"], 0) << batch.output;
+    // Costs end alike to the relative tolerance of a search, 1e-12 of the cost a step, for some steps.
+    EXPECT_NEAR(row["cost"].get<double>() / json["cost"].get<double>(), 1, i == 0 ? 0 : 1e-10);
   }
 }
 

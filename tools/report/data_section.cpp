@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "frac/identification/outliers.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "frac/identification/validate.hpp"
 #include "frac/parameter_units.hpp"
 #include "report/data_figures.hpp"
@@ -91,20 +91,24 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   frac::FitOptions options;
   options.component = frac::fitted_component(taken, options.component);
   const bool both = options.component == frac::Component::both;
-  const auto outliers = frac::isolated_outliers(taken, options.component);
-  const frac::FrequencyResponseData data = frac::without_points(taken, outliers);
+  frac::ScreenedData points(taken, options, false);
   Section section = open_measured("data", name, number);
-  const bool has_zero =
-      std::any_of(data.value().begin(), data.value().end(), [](const auto& value) { return value == 0.0; });
+  const bool has_zero = std::any_of(points.kept().value().begin(), points.kept().value().end(),
+                                    [](const auto& value) { return value == 0.0; });
   options.weight = frac::Weight::learned;
   std::string weight = prose("data", "learned");
-  if (!data.sigma().empty()) {
+  if (!points.kept().sigma().empty()) {
     options.weight = frac::Weight::given;
     weight = prose("data", "given");
   } else if (has_zero) {
     options.weight = frac::Weight::absolute;
     weight = prose("data", "plain");
   }
+  const std::size_t residuals = (both ? 2 : 1) * points.kept().size();
+  const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), residuals);
+  std::optional<frac::IdentificationResult> result;
+  if (!models.empty()) result = frac::identify(points, models, {}, options, work.threads);
+  const frac::FrequencyResponseData& data = points.kept();
   std::string text = prose("data", "extent",
                            {{"points", std::to_string(read.data.size())},
                             {"from", frequency(taken, read.data.omega().front())},
@@ -113,16 +117,14 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
                             {"weight", weight}});
   if (taken.size() < read.data.size())
     text += " " + prose("data", "thinned", {{"points", std::to_string(taken.size())}});
-  if (!outliers.empty())
+  if (!points.left_out().empty())
     text += " " + prose("data", "outliers",
-                        {{"at", frequencies_of(taken, outliers)}, {"unit", std::string(to_string(axis))}});
+                        {{"at", frequencies_of(taken, points.left_out())}, {"unit", std::string(to_string(axis))}});
   if (!both) text += " " + html_sentence(std::string(frac::imaginary_part_alone));
   for (const std::string& note : read.notes) text += " " + html_sentence(note);
   section.add(Html{"<p>" + text + "</p>"});
 
-  const std::size_t residuals = (both ? 2 : 1) * data.size();
-  const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), residuals);
-  if (models.empty()) {
+  if (!result) {
     add_no_verdict(
         section,
         prose("data", "too-few", {{"points", std::to_string(data.size())}, {"residuals", std::to_string(residuals)}}),
@@ -137,18 +139,17 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
         "<p>" + prose("data", "validity", {{"sentence", html_sentence(validity_sentence(validity, read))}}) + "</p>"});
     section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
-  const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
   const bool is_number = field == Field::permittivity && notation.unit.empty();
   const std::string unit = is_number ? "1" : notation.unit;
-  section.add(Html{"<p>" + prose("data", "headline", {{"line", headline(result, validity, notation.unit)}}) + "</p>"});
-  if (const std::string beside = chosen_beside(result); !beside.empty()) section.add(Html{"<p>" + beside + "</p>"});
-  MeasuredPictures pictures = draw_measured(section.id, data, options.component, result, field, read.value_unit);
+  section.add(Html{"<p>" + prose("data", "headline", {{"line", headline(*result, validity, notation.unit)}}) + "</p>"});
+  if (const std::string beside = chosen_beside(*result); !beside.empty()) section.add(Html{"<p>" + beside + "</p>"});
+  MeasuredPictures pictures = draw_measured(section.id, data, options.component, *result, field, read.value_unit);
   section.add(std::move(pictures.response));
-  section.add(chosen_table(section.id + "-chosen", result, unit));
+  section.add(chosen_table(section.id + "-chosen", *result, unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));
   section.fact("quantity_" + section.id, std::string(to_string(field)));
-  add_verdict(section, name, result);
+  add_verdict(section, name, *result);
   return section;
 }
 

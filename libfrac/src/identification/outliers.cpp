@@ -12,6 +12,7 @@
 
 #include "base/median.hpp"
 #include "base/short_text.hpp"
+#include "frac/identification/component_power_law.hpp"
 #include "frac/identification/identify.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "identification/data/fit_data.hpp"
@@ -214,13 +215,17 @@ std::string ScreenedData::sentence() const {
          " neighbours on both sides (at " + frequencies_of(all_, left_out_) + "); they are left out";
 }
 
-std::string ScreenedData::take_back_met(const FitOptions& options, const FitResult& fit) {
-  const auto met = points_met(all_, left_out_, options, fit);
+std::string ScreenedData::take_back_met(const FitOptions& options, const FitResult& fit, bool is_of_component_alone) {
+  taken_back_.clear();
+  // Residuals are weighed against what was fitted.
+  const auto met =
+      points_met(is_of_component_alone ? component_alone(all_, options.component) : all_, left_out_, options, fit);
   if (met.empty()) return {};
   std::erase_if(left_out_, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
   kept_ = without_points(all_, left_out_);
-  return "the model meets what was left out at " + frequencies_of(all_, met) +
-         " to within the noise, so that it is taken in again";
+  taken_back_ = "the model meets what was left out at " + frequencies_of(all_, met) +
+                " to within the noise, so that it is taken in again";
+  return taken_back_;
 }
 
 std::string ScreenedData::take_back_met(FitOptions options, const RankedFit& chosen) {

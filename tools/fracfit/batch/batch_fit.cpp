@@ -5,7 +5,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "frac/identification/fit_from.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/fingerprint.hpp"
@@ -97,37 +96,33 @@ FitRequest request_for(const BatchTask& task, const frac::FrequencyResponseData&
   return request;
 }
 
-frac::FitOptions options_of(const BatchTask& task, const FitRequest& request) {
-  frac::FitOptions options = fit_options(request);
-  if (!task.ranked) options.constraints = task.models.front().constraints;
-  return options;
+BlockStarts::Answer answer_of(const BatchTask& task, const FitRequest& request, const frac::FrequencyResponseData& data,
+                              const BlockStarts::Answer* similar) {
+  frac::ModelRequest asked{task.models.front()};
+  if (similar != nullptr) asked.similar = similar->fit.result;
+  auto points = screened(request, data, say_nothing);
+  auto fit = frac::fit(points, asked, fit_options(request));
+  return {std::move(fit), std::move(points)};
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file, std::size_t index,
                 BlockStarts& starts) {
   const FitRequest request = request_for(task, file.data);
-  const auto options = options_of(task, request);
   const std::string remark =
       request.component == task.request.component ? "" : " (" + std::string(frac::imaginary_part_alone) + ")";
-  auto points = screened(request, file.data, say_nothing);
   if (!task.ranked) {
-    const frac::Structure structure(task.models.front().formula);
-    const frac::FitResult* const first = starts[index];
-    auto result = first == nullptr               ? frac::fit(points.kept(), structure, options)
-                  : BlockStarts::is_first(index) ? *first
-                                                 : frac::fit_from(*first, points.kept(), structure, options);
-    if (!points.take_back_met(options, result).empty())
-      result = frac::fit_from(result, points.kept(), structure, options);
-    set_fit(row, result, points.left_out().size(), remark);
-    const auto statistics = fit_statistics(points.kept(), options, result, {}, 1);
+    const BlockStarts::Answer* const first = starts[index];
+    const auto [fit, points] =
+        first != nullptr && BlockStarts::is_first(index) ? *first : answer_of(task, request, file.data, first);
+    set_fit(row, fit.result, points.left_out().size(), remark);
+    const auto statistics = fit_statistics(points.kept(), fit.options_from(fit_options(request)), fit.result, {}, 1);
     row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
     row.set("whiteness_p_value", statistics.whiteness.p_value);
     return;
   }
+  auto points = screened(request, file.data, say_nothing);
   // Files share the cores, so each works on one.
-  auto result = frac::identify(points.kept(), task.models, {}, options, 1);
-  if (!points.take_back_met(options, result.ranking.at(result.chosen)).empty())
-    result = frac::identify(points.kept(), task.models, {}, options, 1);
+  const auto result = frac::identify(points, task.models, {}, fit_options(request), 1);
   set_fit(row, result.ranking.at(result.chosen).fit, points.left_out().size(), remark);
   row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
   row.set("verdict", frac::to_string(result.verdict));
@@ -227,15 +222,13 @@ std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve
 BlockStarts::BlockStarts(const BatchTask& task, const std::vector<BatchCurve>& curves)
     : task_(task), curves_(curves), blocks_(std::make_unique<Block[]>(curves.size() / block_size + 1)) {}
 
-const frac::FitResult* BlockStarts::operator[](std::size_t index) {
+const BlockStarts::Answer* BlockStarts::operator[](std::size_t index) {
   if (task_.ranked) return nullptr;
   Block& block = blocks_[index / block_size];
   std::call_once(block.searched, [&] {
     try {
       const auto file = data_of(task_, curves_[index / block_size * block_size]);
-      const FitRequest request = request_for(task_, file.data);
-      block.answer = frac::fit(screened(request, file.data, say_nothing).kept(),
-                               frac::Structure(task_.models.front().formula), options_of(task_, request));
+      block.answer = answer_of(task_, request_for(task_, file.data), file.data, nullptr);
     } catch (const io::DataError&) {  // its row will say it
     } catch (const std::invalid_argument&) {
     }

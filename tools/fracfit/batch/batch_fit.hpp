@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "batch/batch_table.hpp"
-#include "frac/identification/identify.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "options/fit_request.hpp"
 
 namespace fracfit {
@@ -57,19 +57,23 @@ struct BatchTask {
 /// threads, shards or a resumed run come to them; a shard fits the first curve of each block that it needs.
 class BlockStarts {
  public:
+  struct Answer {
+    frac::ModelFit fit;
+    frac::ScreenedData points;
+  };
   /// @param curves  all of the batch, also where only a part of it is fitted
   BlockStarts(const BatchTask& task, const std::vector<BatchCurve>& curves);
 
   /// Of the first curve in the block of the curve at `index`; nullptr where that cannot be fitted, and in a ranking.
   /// Any thread may ask.
-  [[nodiscard]] const frac::FitResult* operator[](std::size_t index);
+  [[nodiscard]] const Answer* operator[](std::size_t index);
   [[nodiscard]] static bool is_first(std::size_t index) { return index % block_size == 0; }
 
  private:
   static constexpr std::size_t block_size = 64;
   struct Block {
     std::once_flag searched;
-    std::optional<frac::FitResult> answer;
+    std::optional<Answer> answer;
   };
   const BatchTask& task_;
   const std::vector<BatchCurve>& curves_;

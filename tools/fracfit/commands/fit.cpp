@@ -6,6 +6,7 @@
 
 #include "commands/subcommand.hpp"
 #include "frac/identification/component_power_law.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "frac/structure.hpp"
 #include "io/output_file.hpp"
 #include "io/time_series_file.hpp"
@@ -23,11 +24,6 @@ std::vector<std::string> names_of_models() {
   names.emplace_back(frac::component_power_law_name);
   return names;
 }
-
-struct Fitted {
-  frac::FitResult result;
-  std::optional<frac::Growth> growth;
-};
 
 class Fit : public Command {
  public:
@@ -129,38 +125,18 @@ class Fit : public Command {
     return quantities_of(derive_, names);
   }
 
-  // Leaves in `options` the constraints the fit was made with.
-  template <class Data, class FitOptions>
-  Fitted fitted(const Data& data, FitOptions& fit) const {
-    if (!grow_ && chosen_.is_family()) {
-      const auto model = frac::resolved_model(data, chosen_, fit);
-      fit.constraints = constraints_of(model, parameters_);
-      fit.global_start = false;
-      auto result = frac::fit(data, frac::Structure(model.formula), fit);
-      if (!model.remark.empty()) result.message += " " + model.remark;
-      return {std::move(result), std::nullopt};
-    }
-    if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
-    auto growth = frac::grow(data, *grow_, fit);
-    fit.constraints = growth.models.at(growth.chosen).constraints;
-    auto result = growth.fits.at(growth.chosen);
-    return {std::move(result), std::move(growth)};
+  [[nodiscard]] frac::ModelRequest asked() const {
+    return {chosen_, grow_, [this](const frac::NamedModel& member) { return constraints_of(member, parameters_); },
+            is_component_law()};
   }
 
   template <class Data, class FitOptions>
-  int fit_and_write(const Data& data, FitOptions fit, const FitRun& run) {
-    const auto made = fitted(data, fit);
-    return write_fit(data, fit, made, run);
-  }
-
-  /// @param fit  as fitted() left it
-  template <class Data, class FitOptions>
-  int write_fit(const Data& data, const FitOptions& fit, const Fitted& made, const FitRun& run) {
-    const auto& [result, growth] = made;
+  int write_fit(const Data& data, const FitOptions& wanted, const frac::ModelFit& made, const FitRun& run) {
+    const frac::FitResult& result = made.result;
     auto asked = statistics_;
     asked.command = command_line();
-    auto statistics = fit_statistics(data, fit, result, asked, threads());
-    statistics.growth = growth;
+    auto statistics = fit_statistics(data, made.options_from(wanted), result, asked, threads());
+    statistics.growth = made.growth;
     std::vector<std::string> names;
     for (const auto& parameter : result.parameters) names.push_back(parameter.name);
     statistics.derived = frac::derived_estimates(result, quantities(names));
@@ -199,7 +175,7 @@ class Fit : public Command {
       const auto record = read_time_record(request_, over_time_, options(), note);
       FitRun about = time_fit_run(request_, record, options(), command_line());
       add_known(about);
-      return fit_and_write(record.data, fit, about);
+      return write_fit(record.data, fit, frac::fit(record.data, asked(), fit), about);
     }
     options().settle(frequency_response);
     auto wanted = fit_options(request_);
@@ -213,19 +189,13 @@ class Fit : public Command {
       chosen_.constraints = constraints_of(chosen_, parameters_);
     }
     wanted.component = request_.component;
-    wanted.constraints = chosen_.constraints;
     auto points = screened(request_, file.data, note);
-    auto fit = wanted;
-    auto made = fitted(fitted_part(points.kept()), fit);
-    if (const auto sentence = points.take_back_met(fit, made.result); !sentence.empty()) {
-      say(sentence);
-      fit = wanted;
-      made = fitted(fitted_part(points.kept()), fit);
-    }
+    const auto made = frac::fit(points, asked(), wanted);
+    if (!points.taken_back().empty()) say(points.taken_back());
     auto about = fit_run(request_, options(), file, points.left_out(), command_line());
     add_known(about);
     if (is_component_law()) about.law = frac::component_power_law_sentence(request_.component);
-    return write_fit(fitted_part(points.kept()), fit, made, about);
+    return write_fit(fitted_part(points.kept()), wanted, made, about);
   }
 
   FitRequest request_;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "frac/identification/identify.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -11,6 +9,7 @@
 #include "commands/subcommand.hpp"
 #include "frac/identification/economy.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "frac/parallel_for.hpp"
 #include "frac/structure.hpp"
 #include "io/number.hpp"
@@ -213,35 +212,27 @@ class Identify : public Command {
     if (static_backlash && io::find_value(file.metadata, "output") == "x2")
       say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
     std::optional<double> obstacle;  // frequency at which the static curve has no -1/N
-    const auto fixed_curves = [&] {
-      std::vector<frac::FixedCurve> curves;
-      obstacle.reset();
-      if (static_backlash) {
-        const auto& omega = points.kept().omega();
-        auto n = backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, omega);
-        for (std::size_t i = 0; i < n.size() && inverse && !obstacle; ++i) {
-          if (const auto of_n = backlash::minus_inverse(n[i], 0))
-            n[i] = of_n->value;
-          else
-            obstacle = omega[i];
-        }
-        if (!obstacle) curves.push_back({"static-backlash", std::move(n)});
+    std::vector<frac::FixedCurve> curves;
+    if (static_backlash) {
+      const auto& omega = file.data.omega();
+      auto n = backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, omega);
+      for (std::size_t i = 0; i < n.size() && inverse && !obstacle; ++i) {
+        if (const auto of_n = backlash::minus_inverse(n[i], 0))
+          n[i] = of_n->value;
+        else
+          obstacle = omega[i];
       }
-      return curves;
-    };
-    const auto ranked = [&] { return frac::identify(points.kept(), models_, fixed_curves(), fit, threads()); };
-    auto result = ranked();
-    if (const auto sentence = points.take_back_met(fit, result.ranking.at(result.chosen)); !sentence.empty()) {
-      say(sentence);
-      result = ranked();
+      if (!obstacle) curves.push_back({"static-backlash", std::move(n)});
     }
+    const auto result = frac::identify(points, models_, curves, fit, threads());
+    if (!points.taken_back().empty()) say(points.taken_back());
     if (obstacle)
       say("no static-backlash candidate: at " + io::format_number(*obstacle) +
           " rad/s static backlash passes no motion on, so that N is 0 and -1/N infinite");
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
     FitRun about = fit_run(request_, options(), file, points.left_out(), command_line());
     if (are_without_noise(file.metadata, points.kept(), fit, result))
-      about.economy = economy_of(points.kept(), fixed_curves());
+      about.economy = economy_of(points.kept(), frac::at_kept(points, curves));
     return write_ranking(points.kept(), fit, result, about);
   }
 

@@ -15,7 +15,7 @@
 #include "frac/identification/describe.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
-#include "frac/identification/outliers.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "frac/identification/statistics.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "parts.hpp"
@@ -25,114 +25,75 @@
 namespace python {
 namespace {
 
-// A model, or a family that it grows in, and what is known of its parameters.
-struct Request {
-  frac::NamedModel model;
-  std::optional<frac::GrowthFamily> grow;
-  std::vector<frac::ParameterConstraint> constraints;
-  std::string law = {};  // what the model says in words where it is a law of one part of a response
-};
-
 // Some names and ranges are known with the data only.
 // @param component  of a response; none over time
-Request request_of(const std::string& name, const py::dict& given, std::optional<frac::Component> component) {
-  Request request{};
+frac::ModelRequest request_of(const std::string& name, const py::dict& given,
+                              std::optional<frac::Component> component) {
+  frac::ModelRequest request;
   std::string unnamed;
   if (given.contains("grow") && !given["grow"].is_none()) {
     request.grow = frac::growth_family_from_string(given["grow"].cast<std::string>());
     if (!frac::names_persist(*request.grow)) unnamed = frac::to_string(*request.grow);
   } else if (component && name == frac::component_power_law_name) {
     request.model = frac::component_power_law(*component);
-    request.law = frac::component_power_law_sentence(*component);
+    request.component_alone = true;
   } else {
     request.model = frac::find_model(name);
     if (request.model.is_family()) unnamed = name;
   }
-  request.constraints = constraints_of(request.model, given);
-  if (!unnamed.empty() && !request.constraints.empty())
+  request.model.constraints = constraints_of(request.model, given);
+  if (!unnamed.empty() && !request.model.constraints.empty())
     throw std::invalid_argument("what is known of parameters has no meaning with the family " + unnamed +
                                 ", whose parameters follow from the data");
   return request;
 }
 
-// A fit with the constraints and the kind of start it was made with, the points it left out and what is told of these
-// and of its law, kept as it is until Python asks for its values.
+// A fit, the points it left out and what is told of these and of its law, kept as it is until Python asks for its
+// values.
 struct Fitted {
-  frac::FitResult result;
-  std::vector<frac::ParameterConstraint> constraints;
-  bool global_start = true;
-  std::optional<frac::Growth> growth = {};
+  frac::ModelFit fit;
   std::vector<std::size_t> left_out = {};
   std::vector<std::string> notes = {};
   std::optional<frac::Component> component = {};  // that was fitted; none over time
   std::string law = {};
 };
 
-// The model as given, or the member of a family that suits the data.
-template <typename Data, typename Options>
-Fitted fitted(const Data& data, const Request& request, Options options) {
-  options.constraints = request.constraints;
-  if (request.grow) {
-    auto growth = frac::grow(data, *request.grow, options);
-    return {growth.fits[growth.chosen], growth.models[growth.chosen].constraints, options.global_start, growth};
-  }
-  if (!request.model.is_family())
-    return {frac::fit(data, frac::Structure(request.model.formula), options), options.constraints,
-            options.global_start};
-  const frac::NamedModel member = frac::resolved_model(data, request.model, options);
-  options.constraints = member.constraints;
-  options.global_start = false;
-  return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
-}
-
-// The same to what outliers leave, and to the component that the data have.
-Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& request, frac::FitOptions options,
-                        bool keep) {
+// To what outliers leave, and to the component that the data have.
+Fitted fitted_to_others(const frac::FrequencyResponseData& data, const frac::ModelRequest& request,
+                        frac::FitOptions options, bool keep) {
   std::vector<std::string> notes = settle_component(options, data);
   for (auto& note : note_of_sign(data, options)) notes.push_back(std::move(note));
   frac::ScreenedData points(data, options, keep);
   for (auto& note : notes_of(points)) notes.push_back(std::move(note));
-  const auto fitted_part = [&] {
-    return fitted(request.law.empty() ? points.kept() : frac::component_alone(points.kept(), options.component),
-                  request, options);
-  };
-  Fitted fit = fitted_part();
-  auto made_with = options;
-  made_with.constraints = fit.constraints;
-  made_with.global_start = fit.global_start;
-  if (const auto sentence = points.take_back_met(made_with, fit.result); !sentence.empty()) {
-    notes.push_back(sentence);
-    fit = fitted_part();
-  }
+  frac::ModelFit fit = frac::fit(points, request, options);
+  if (!points.taken_back().empty()) notes.push_back(points.taken_back());
   points.restore_indices(fit.result.outliers);
-  fit.left_out = points.left_out();
-  fit.notes = std::move(notes);
-  fit.component = options.component;
-  fit.law = request.law;
-  return fit;
+  return {std::move(fit), points.left_out(), std::move(notes), options.component,
+          request.component_alone ? frac::component_power_law_sentence(options.component) : ""};
 }
 
 // Plain values, as Python keeps them.
 py::dict dict_of_fitted(const Fitted& fit) {
-  py::dict result = dict_of_fit(fit.result);
-  result["constraints"] = list_of(fit.constraints);
-  result["global_start"] = fit.global_start;
+  py::dict result = dict_of_fit(fit.fit.result);
+  result["constraints"] = list_of(fit.fit.constraints);
+  result["global_start"] = fit.fit.global_start;
   result["left_out"] = fit.left_out;
   result["component"] = fit.component ? py::object(py::str(std::string(frac::to_string(*fit.component)))) : py::none();
   result["law"] = fit.law.empty() ? py::object(py::none()) : py::str(fit.law);
   result["growth"] = py::none();
-  if (fit.growth) {
+  if (const auto& growth = fit.fit.growth) {
     py::list fits;
-    for (const auto& each : fit.growth->fits) fits.append(dict_of_fit(each));
-    result["growth"] = py::dict(py::arg("chosen") = fit.growth->chosen, py::arg("reason") = fit.growth->reason,
-                                py::arg("fits") = fits);
+    for (const auto& each : growth->fits) fits.append(dict_of_fit(each));
+    result["growth"] =
+        py::dict(py::arg("chosen") = growth->chosen, py::arg("reason") = growth->reason, py::arg("fits") = fits);
   }
   return result;
 }
 
 // Whether a fit takes some hundredths of a second at most: a local solve evaluates each point up to some hundred times,
 // in about a microsecond.
-bool is_short(const frac::FrequencyResponseData& points, const Request& request, const frac::FitOptions& options) {
+bool is_short(const frac::FrequencyResponseData& points, const frac::ModelRequest& request,
+              const frac::FitOptions& options) {
   constexpr std::size_t few = 400;
   return !options.global_start && !request.grow && !request.model.is_family() && points.size() <= few &&
          std::holds_alternative<frac::ExactRealisation>(options.realisation);
@@ -140,7 +101,7 @@ bool is_short(const frac::FrequencyResponseData& points, const Request& request,
 
 Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
   const frac::FitOptions options = fit_options(given);
-  const Request request = request_of(name, given, options.component);
+  const frac::ModelRequest request = request_of(name, given, options.component);
   const frac::FrequencyResponseData points = spectrum_of(data);
   const bool keep = keeps_outliers(given);
   const auto work = [&] { return fitted_to_others(points, request, options, keep); };
@@ -151,17 +112,17 @@ Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dic
 Fitted fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
   if (name == frac::component_power_law_name)
     throw std::invalid_argument("model " + name + " has no meaning with samples over time");
-  const Request request = request_of(name, given, std::nullopt);
+  const frac::ModelRequest request = request_of(name, given, std::nullopt);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  return result_of([&](frac::Progress&) { return fitted(record, request, options); });
+  return result_of([&](frac::Progress&) { return Fitted{frac::fit(record, request, options)}; });
 }
 
 // One fit or one sentence for each set of data.
 py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
                   const py::object& report) {
   const frac::FitOptions options = fit_options(given);
-  const Request request = request_of(name, given, options.component);
+  const frac::ModelRequest request = request_of(name, given, options.component);
   const bool keep = keeps_outliers(given);
   std::vector<frac::FrequencyResponseData> curves;
   for (const auto& each : data) curves.push_back(spectrum_of(each.cast<py::dict>()));

@@ -11,7 +11,7 @@
 #include "fit_request.hpp"
 #include "frac/identification/describe.hpp"
 #include "frac/identification/economy.hpp"
-#include "frac/identification/outliers.hpp"
+#include "frac/identification/screened_fit.hpp"
 #include "parts.hpp"
 #include "run.hpp"
 
@@ -52,14 +52,6 @@ std::vector<frac::NamedModel> models_of(const std::vector<std::string>& names) {
   return models;
 }
 
-// Curves at the points that are not left out.
-std::vector<frac::FixedCurve> at_kept(std::vector<frac::FixedCurve> curves, const std::vector<std::size_t>& left_out) {
-  for (auto& curve : curves)
-    for (auto point = left_out.rbegin(); point != left_out.rend(); ++point)
-      curve.value.erase(curve.value.begin() + static_cast<std::ptrdiff_t>(*point));
-  return curves;
-}
-
 py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
                            const py::dict& given, int threads) {
   const auto models = names.empty() ? frac::default_candidates() : models_of(names);
@@ -74,14 +66,8 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto result = result_of([&](frac::Progress&) {
     frac::ScreenedData points(all, options, keep);
     for (auto& note : notes_of(points)) notes.push_back(std::move(note));
-    const auto ranked = [&] {
-      return frac::identify(points.kept(), models, at_kept(fixed, points.left_out()), options, threads);
-    };
-    auto ranking = ranked();
-    if (const auto sentence = points.take_back_met(options, ranking.ranking.at(ranking.chosen)); !sentence.empty()) {
-      notes.push_back(sentence);
-      ranking = ranked();
-    }
+    auto ranking = frac::identify(points, models, fixed, options, threads);
+    if (!points.taken_back().empty()) notes.push_back(points.taken_back());
     auto weighed = options;
     if (options.weight == frac::Weight::learned) weighed.noise_floor = ranking.noise_floor;
     met = frac::met_to_rounding(points.kept(), weighed, ranking);

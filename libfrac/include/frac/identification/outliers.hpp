@@ -54,13 +54,17 @@ class ScreenedData {
   /// What is told of those left out, without a stop at the end; empty where there are none.
   [[nodiscard]] std::string sentence() const;
 
-  /// Takes the points_met() back; where there are such, the fit is to be made anew.
+  /// Takes the points_met() back; where there are such, the fit is to be made anew, as by fit() and identify() of
+  /// ScreenedData.
   /// @param options  with the constraints of the model
   /// @param fit      to kept() with these options
+  /// @param is_of_component_alone  to the component_alone() of kept()
   /// @return  what is told of them, without a stop at the end; empty where there are none
-  [[nodiscard]] std::string take_back_met(const FitOptions& options, const FitResult& fit);
+  std::string take_back_met(const FitOptions& options, const FitResult& fit, bool is_of_component_alone = false);
   /// The same by the model chosen in a ranking made with the options; a given curve meets nothing, as it is no fit.
-  [[nodiscard]] std::string take_back_met(FitOptions options, const RankedFit& chosen);
+  std::string take_back_met(FitOptions options, const RankedFit& chosen);
+  /// What the last take_back_met() returned.
+  [[nodiscard]] const std::string& taken_back() const { return taken_back_; }
 
   /// Makes indices of what is kept ones of all data.
   void restore_indices(std::vector<std::size_t>& points) const;
@@ -69,6 +73,7 @@ class ScreenedData {
   FrequencyResponseData all_;
   std::vector<std::size_t> left_out_;
   FrequencyResponseData kept_;
+  std::string taken_back_;
 };
 
 }  // namespace frac
