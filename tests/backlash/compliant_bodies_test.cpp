@@ -140,6 +140,8 @@ TEST(CompliantBodies, DescribingFunctionIsThePhasorOfAnIntegration) {
     const Machine m = random_machine(random, i % kinds);
     const DescribingFunctionPoint point = point_of(m, Protocol::contact_at_rest);
     if (point.regime != Regime::symmetric && point.regime != Regime::periodic) continue;
+    // Near a bifurcation transients take longer than the test.
+    if (!(point.lyapunov_exponent < -1e-3)) continue;
     // Irregular transients take some hundred periods, regular ones then leave e^-40.
     const int transient = 600 + static_cast<int>(std::ceil(40 / -std::max(-40.0, point.lyapunov_exponent)));
     const backlash::LoopStart rest{0.25 * m.clearance, 0, -0.25 * m.clearance, 0};
@@ -398,7 +400,8 @@ TEST(CompliantBodies, RestWhereDryFrictionHoldsThem) {
   m.coulomb1 = 1e3 * m.force;
   options.output = backlash::Output::x1;
   EXPECT_EQ(at().regime, Regime::symmetric);
-  EXPECT_EQ(at().value, 0.0);
+  // Rounding of what the force alone would move the body by.
+  EXPECT_LT(std::abs(at().value), 1e-14 / (m.mass1 * m.omega * m.omega));
   options.output = backlash::Output::x2;
   Machine wall = m;
   wall.coulomb1 = 0;

@@ -103,7 +103,8 @@ TEST(ImpactCycles, OfTwoImpactsAreTheSymmetricOnes) {
 // Where the symmetric cycle of two impacts is not stable, motions settle on others.  A simulation that adds up the
 // answers to all impacts knows nothing of periods; after 300 impacts it is as near to the cycle as its rounding at t =
 // 100 lets it, and as disturbances have faded: by 0.978 per period of the second one, and in the third as the memory of
-// fractional powers does.
+// fractional powers does, from one half of the period to the other by as much as the tolerance; which half has the
+// hardest impact is a matter of rounding.
 TEST(ImpactCycles, AreWhatSimulationsSettleOn) {
   const struct {
     const char* controller;
@@ -111,7 +112,7 @@ TEST(ImpactCycles, AreWhatSimulationsSettleOn) {
     std::size_t impacts;
     bool symmetric;
     double tolerance;
-  } cases[] = {{"20 + s", 5, 4, true, 3e-7}, {"40 + s", 5, 7, false, 3e-3}, {"12 + s^0.7", 3, 6, true, 5e-4}};
+  } cases[] = {{"20 + s", 5, 4, true, 3e-7}, {"40 + s", 5, 7, false, 3e-3}, {"12 + s^0.7", 3, 6, true, 2e-3}};
   for (const auto& each : cases) {
     const Settled motion = settled(free_loop(each.controller, .6), each.velocity);
     ASSERT_TRUE(motion.cycle.has_value()) << each.controller;

@@ -139,6 +139,7 @@ def test_jump_law():
     same(ours.mean_similarity_constant, np.mean([each["similarity_constant"] for each in ours.constants]))
 
 
+@pytest.mark.bits
 def test_motions_over_time():
     scene = {"restitution": 0.6, "force": 40.0, "clearance": 0.3}
     arguments = [f"--{name}={value}" for name, value in scene.items()]
@@ -285,6 +286,7 @@ def body(text):
     return re.sub(r"_H_[0-9a-f]+|MODEL_GUID .*", "", re.sub(r"/\*.*?\*/", "", text, flags=re.S))
 
 
+@pytest.mark.bits
 def test_exports(tmp_path):
     theirs = command_line.run("export", "spice", "s^-0.5", "--kind", "impedance", "--band", "1:1e4")
     ours = fracfit.export_spice("s^-0.5", kind="impedance", band=(1, 1e4), out=tmp_path / "half.lib")

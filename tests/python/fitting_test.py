@@ -236,6 +236,7 @@ def test_bits_of_a_family():
         fracfit.fit(EXACT, "rational:3", fixed={"p1": 1})
 
 
+@pytest.mark.bits
 def test_priors_orders_and_derived_quantities_of_the_command_line(cell):
     both = ("--component", "both")
     found = command_line.json_of(
@@ -351,6 +352,7 @@ def test_identify_of_the_command_line():
     assert "itself" in [each["name"] for each in curve.ranking]
 
 
+@pytest.mark.bits
 def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
     chance = np.random.default_rng(1)
     omega = np.logspace(-1, 1, 14)
@@ -365,6 +367,7 @@ def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
     assert (result.next_accuracy, result.next_evidence) == (found["accuracy"], found["expected_evidence"])
 
 
+@pytest.mark.bits
 def test_economy_of_the_command_line(tmp_path):
     path = tmp_path / "scene.csv"
     arguments = ("--force", 40, "--clearance", 0.3, "--restitution", 0.6, "--omega", "19.1:35:24")
@@ -525,6 +528,7 @@ def test_circuit_in_the_manner_of_impedance_py():
     assert np.array_equal(circuit.predict(mixed)[[1, 2, 0]], circuit.predict(np.sort(mixed)))
 
 
+@pytest.mark.bits
 def test_described_numbers_are_attributes_and_documented(cell):
     found = command_line.json_of("fit", CELL, "--model", CIRCUIT)
     kinds = {"flag": bool, "count": int, "number": float, "text": str}

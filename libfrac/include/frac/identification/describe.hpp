@@ -12,6 +12,7 @@ namespace frac {
 
 struct Crossover;
 struct DerivedEstimate;
+struct DistributionRival;
 struct Economy;
 struct EconomyCurve;
 struct EconomyPoint;

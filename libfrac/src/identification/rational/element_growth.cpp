@@ -373,6 +373,9 @@ class WrittenSum {
         const std::string d = timed("d" + n, 2 * std::exp(element.log_damping));
         return append("mode" + n, top + "/(s^2/" + w + "^2 + " + d + " s/" + w + " + 1)");
       }
+      case Kind::normal_spread:
+      case Kind::even_spread:
+        return;  // no element of a catalogue
     }
   }
 

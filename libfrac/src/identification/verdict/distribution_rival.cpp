@@ -36,6 +36,22 @@ TermSum with(TermSum sum, const Term& term) {
   return sum;
 }
 
+const Term constant{Term::Kind::power, 0, true};
+
+/// Refines the `count` starts of least cost.
+void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
+                 std::vector<TermFit>& refined) {
+  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
+    refined.push_back(problem.refine(std::move(starts[i].sum), scouting));
+  }
+}
+
+double place(const TermProblem& problem, int i, int places) {
+  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
+  return first + (last - first) * i / (places - 1);
+}
+
 /// Sums with a term more, refined.
 std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
   std::vector<TermFit> fits;
@@ -47,21 +63,37 @@ std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
   if (spreads_in(sum) >= most_spreads) return fits;
   constexpr int places = 12;
   constexpr std::size_t tried = 4;
-  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
   for (const Term::Kind kind : spreads) {
     std::vector<TermFit> starts;
     for (const double width : {0.3, 1.0, 3.0}) {
       std::vector<Term> along;
       for (int i = 0; i < places; ++i) {
-        along.push_back({kind, 0, true, first + (last - first) * i / (places - 1), 0, std::log(width)});
+        along.push_back({kind, 0, true, place(problem, i, places), 0, std::log(width)});
       }
       add_local_minima(problem.along(sum, along), starts);
     }
-    std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
-    for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
-      fits.push_back(problem.refine(std::move(starts[i].sum), scouting));
+    refine_best(problem, std::move(starts), tried, fits);
+  }
+  return fits;
+}
+
+/// A constant and two spreads, which no spread alone comes near: the best of a lattice, refined.
+std::vector<TermFit> pairs(const TermProblem& problem) {
+  constexpr int places = 9;
+  constexpr std::size_t tried = 4;
+  std::vector<TermFit> starts;
+  for (const double width : {0.4, 1.0, 2.0}) {
+    const auto at = [&](int i) {
+      return Term{Term::Kind::normal_spread, 0, true, place(problem, i, places), 0, std::log(width)};
+    };
+    for (int i = 0; i + 1 < places; ++i) {
+      std::vector<Term> others;
+      for (int k = i + 1; k < places; ++k) others.push_back(at(k));
+      add_local_minima(problem.along({constant, at(i)}, others), starts);
     }
   }
+  std::vector<TermFit> fits;
+  refine_best(problem, std::move(starts), tried, fits);
   return fits;
 }
 
@@ -69,11 +101,14 @@ std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
 TermFit grown(const TermProblem& problem) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   TermFit best{{}, infinity, 0};
-  std::vector<TermSum> sums{{}, {Term{Term::Kind::power, 0, true}}};
+  std::vector<TermSum> sums{{}, {constant}};
   for (int in_vain = 0; in_vain < 2 && !sums.empty();) {
     std::vector<TermFit> fits;
     for (const TermSum& sum : sums) {
       for (TermFit& fit : extended(problem, sum)) fits.push_back(std::move(fit));
+    }
+    if (!std::isfinite(best.cost)) {
+      for (TermFit& fit : pairs(problem)) fits.push_back(std::move(fit));
     }
     std::stable_sort(fits.begin(), fits.end(),
                      [&](const auto& a, const auto& b) { return value_of(problem, a) < value_of(problem, b); });
