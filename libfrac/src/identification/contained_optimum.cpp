@@ -231,10 +231,12 @@ std::vector<Structure> without_a_term(const Structure& structure) {
 }
 
 /// The fit, or where the optimum of a structure that it contains is lower the fit from there.
+/// @param clearly  share of the cost that it has to be lower by
 template <class Data, class Options>
-FitResult no_worse_than(const Data& data, const FitResult& optimum, const Options& options, FitResult fit) {
+FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const Options& options,
+                        FitResult fit) {
   fit.seconds += optimum.seconds;
-  if (!(optimum.cost < fit.cost * (1 - rounding))) return fit;
+  if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
   std::optional<FitResult> from = fitted_from(data, fit, optimum, options);
   if (!from || !(from->cost < fit.cost)) return fit;
   // A minimum that the search has not seen.
@@ -250,10 +252,10 @@ template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
-  const auto compare = [&](const Structure& contained, const Options& of_contained, auto optimum_of) {
+  const auto compare = [&](const Structure& contained, const Options& of_contained, double clearly, auto optimum_of) {
     try {
       if (is_left_behind(data, fit, options, contained, of_contained)) return;
-      fit = no_worse_than(data, optimum_of(), options, std::move(fit));
+      fit = no_worse_than(data, optimum_of(), clearly, options, std::move(fit));
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.
     }
@@ -262,12 +264,16 @@ FitResult no_worse(const Data& data, const Structure& structure, const Options& 
     Options of_contained = options;
     of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
     const Structure contained(preset->formula);
-    compare(contained, of_contained, [&] { return frac::fit(data, contained, of_contained); });
+    compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
   }
+  // Residuals that are rounding cannot be beaten.
+  if (fit.relative_rms <= rounding) return fit;
   for (const Structure& contained : without_a_term(structure)) {
     Options of_contained = options;
     of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
-    compare(contained, of_contained, [&] { return refit(data, contained, of_contained); });
+    // A term that the fitted part is blind to changes the cost by no more than where solvers end.
+    constexpr double solved = 1e-6;
+    compare(contained, of_contained, solved, [&] { return refit(data, contained, of_contained); });
   }
   return fit;
 }

@@ -65,8 +65,9 @@ class Identify : public Command {
     Options& o = options();
     add_data(o, request_);
     o.text("--models", models_text_,
-           "and families such as rational:1..8, rational:2/4, rational:1..4+delay, commensurate:1..3, terms:5")
-        .default_is("all presets, rational, rational+delay, commensurate, commensurate+delay and terms");
+           "and families such as rational:1..8, rational:2/4, rational:1..4+delay, commensurate:1..3, terms:5, "
+           "elements:6")
+        .default_is("all presets, rational, rational+delay, commensurate, commensurate+delay, terms and elements");
     add_residual_options(o, request_);
     add_assumptions(o, request_);
     add_time_options(o, over_time_);

@@ -114,7 +114,7 @@ frac::NamedModel chosen_model(const std::string& given) {
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   const auto& library = frac::model_library();
   const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
-  const bool family = text == "rational" || text == "commensurate" || text == "terms";
+  const bool family = text == "rational" || text == "commensurate" || text == "terms" || text == "elements";
   if (text == frac::component_power_law_name)
     throw std::invalid_argument("model " + io::quoted(text) +
                                 " is one of fracfit fit, which fits one part of a response by itself");

@@ -502,7 +502,7 @@ def fit(
     model : Model or str
         A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``; or
         ``"component-power-law"``, K omega^b as one part of a response by itself, which no transfer function has.
-    grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms"}, optional
+    grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms", "elements"}, optional
         Instead of a model a family, grown by a term at a time while the data pay for it.
     component : {"both", "imaginary", "real", "magnitude", "phase"}
         Part of a response that is fitted.  Where the real part is 0 at every frequency, "both" is "imaginary", and a
@@ -1277,7 +1277,7 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
         return model, {}
     if model == _LAW_OF_ONE_PART and not of_one_part:
         raise ValueError(f"model {model!r} is one of fit and batch, which fit one part of a response by itself")
-    known = [*presets(), "rational", "commensurate", "terms", _LAW_OF_ONE_PART]
+    known = [*presets(), "rational", "commensurate", "terms", "elements", _LAW_OF_ONE_PART]
     if model not in known:
         raise ValueError(f"model {model!r} is neither a preset nor a formula of s{meant(model.replace('_', '-'), known)}; presets() lists the names")
     return model, {}
