@@ -197,7 +197,11 @@ std::string contact_text(const SceneIdentification& result, bool takes_time) {
            " s from hard ones (twice the log likelihood ratio " + short_text(result.contact_evidence) + ").";
   }
   std::string text = " The data do not tell the contact from a hard one, and the intervals hold for both";
-  if (std::isfinite(time.ci95_upper)) text += ": it takes at most " + short_text(time.ci95_upper) + " s";
+  if (std::isfinite(time.ci95_upper)) {
+    text += ": it takes at most " + short_text(time.ci95_upper) + " s";
+    if (std::isfinite(result.contact[1].ci95_lower))
+      text += ", by a stiffness of " + short_text(result.contact[1].ci95_lower) + " N/m or more";
+  }
   return text + ".";
 }
 
@@ -332,11 +336,11 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     detail::SceneUncertainty uncertainty =
-        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data.time_unit);
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data);
     for (const detail::LocalScene& rival : found.rivals) {
-      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening,
-                                             data.time_unit),
-                   uncertainty);
+      stretch_over(
+          detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening, data),
+          uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
            rival.theta[4] * data.time_unit,
