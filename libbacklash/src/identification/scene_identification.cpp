@@ -183,12 +183,13 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
 }
 
-std::string contact_text(const SceneIdentification& result, bool takes_time) {
+// longest: limit of the contact time, s, 0 of hard contacts
+std::string contact_text(const SceneIdentification& result, double longest) {
   using frac::detail::short_text;
   if (result.contact.empty()) {
-    return !takes_time ? ""
-                       : " The points used are too few for contacts that take time, and the intervals are those of "
-                         "hard contacts.";
+    return longest == 0 ? ""
+                        : " The points used are too few for contacts that take time, and the intervals are those of "
+                          "hard contacts.";
   }
   const SceneEstimate& time = result.contact.front();
   if (time.fixed) return "";
@@ -197,11 +198,15 @@ std::string contact_text(const SceneIdentification& result, bool takes_time) {
            " s from hard ones (twice the log likelihood ratio " + short_text(result.contact_evidence) + ").";
   }
   std::string text = " The data do not tell the contact from a hard one, and the intervals hold for both";
-  if (std::isfinite(time.ci95_upper)) text += ": it takes at most " + short_text(time.ci95_upper) + " s";
+  if (time.ci95_upper < longest) {
+    text += ": it takes at most " + short_text(time.ci95_upper) + " s";
+    if (std::isfinite(result.contact[1].ci95_lower))
+      text += ", by a stiffness of " + short_text(result.contact[1].ci95_lower) + " N/m or more";
+  }
   return text + ".";
 }
 
-std::string message_of(const SceneIdentification& result, bool takes_time) {
+std::string message_of(const SceneIdentification& result, double longest) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
     if (parameter.fixed) continue;
@@ -220,7 +225,7 @@ std::string message_of(const SceneIdentification& result, bool takes_time) {
             frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
-  text += contact_text(result, takes_time);
+  text += contact_text(result, longest);
   if (!result.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
   }
@@ -301,6 +306,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   result.contact_verdict = options.contact == ContactModel::hard ? ContactVerdict::hard : ContactVerdict::undecided;
   result.contact_evidence = nan;
   const bool takes_time = known.bounds.upper[4] > 0;
+  const double longest = known.bounds.upper[4] * data.time_unit;
   if (takes_time) {
     detail::ContactSearch freed = detail::search_contact(data, known, found, options.threads);
     if (freed.scenes.best.usable || !found.best.usable) {
@@ -332,11 +338,11 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     detail::SceneUncertainty uncertainty =
-        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data.time_unit);
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data);
     for (const detail::LocalScene& rival : found.rivals) {
-      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening,
-                                             data.time_unit),
-                   uncertainty);
+      stretch_over(
+          detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening, data),
+          uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
            rival.theta[4] * data.time_unit,
@@ -381,7 +387,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residuals = equations.residuals;
     result.rms = std::sqrt(equations.cost / static_cast<double>(equations.residuals));
     result.termination = found.best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
-    result.message = message_of(result, takes_time);
+    result.message = message_of(result, longest);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

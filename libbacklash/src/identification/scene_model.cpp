@@ -92,9 +92,9 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
   const auto by_mass = [&](std::size_t i) {
     return scale * (coefficients.rigid_by_log_mass[i] + coefficients.moving_by_log_mass[i] * response.h);
   };
-  return {
-      point_value(coefficients, point, response.h),
-      {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution, scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
+  return {point_value(coefficients, point, response.h),
+          {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution,
+           scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
 }
 
 }  // namespace backlash::detail

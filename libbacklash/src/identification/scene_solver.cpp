@@ -24,12 +24,15 @@ using SceneStep = Eigen::Matrix<double, size, 1>;
 
 constexpr int most_rounds = 20;
 constexpr int most_iterations = 12;
-// Many steps are refused where one of many motions ends nearby, until the point is left out.
-constexpr int most_iterations_with_contacts = 40;
+// With contacts that take time more steps are refused where one of many motions ends nearby, until the point is left
+// out, and a round costs more.
+constexpr int most_iterations_with_contacts = 25, most_rounds_with_contacts = 8;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // A round that moves the estimate by less than this, in standard errors, is the last.
 constexpr double settled_step = 1e-4;
+// Likewise where contacts take time, whose motions cost more; far below what the intervals tell.
+constexpr double near_step = 1e-2;
 // The two-impact orbit is followed this far beyond its loss of stability in the first rounds, whose estimates may place
 // the loss beside that of the data; not to the end, since a period that has just doubled lies near to it.
 constexpr double beyond_loss = 1.1;
@@ -71,13 +74,16 @@ class Solver {
     iterations_ = effort == Effort::glance ? iterations_of_a_glance
                   : contacts_take_time()   ? most_iterations_with_contacts
                                            : most_iterations;
-    const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
+    const int rounds = effort == Effort::glance ? rounds_of_a_glance
+                       : contacts_take_time()   ? most_rounds_with_contacts
+                                                : most_rounds;
     for (int round = 0; round < rounds; ++round) {
       const std::vector<PointChoice> before = choices_;
       choose(round);
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
-      if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
+      if (round > rounds_that_differ() && settled(before) &&
+          moved_ < (contacts_take_time() ? near_step : settled_step)) {
         // Where contacts take time a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
         result.converged = least_squares_converged_ || contacts_take_time();
         break;
@@ -121,6 +127,10 @@ class Solver {
   }
 
   [[nodiscard]] bool contacts_take_time() const { return !found_.empty(); }
+  // The first rounds may count motions beyond their loss of stability.
+  [[nodiscard]] int rounds_that_differ() const {
+    return contacts_take_time() && effort_ != Effort::glance ? 0 : rounds_beyond_loss;
+  }
   [[nodiscard]] std::optional<ContactMotions> contact_motions(const SceneVector& theta) const {
     return contacts_take_time() ? std::optional<ContactMotions>(theta[3]) : std::nullopt;
   }

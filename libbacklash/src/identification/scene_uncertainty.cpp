@@ -29,6 +29,8 @@ constexpr double unseen_column = 1e-10;
 
 // Standard deviations that chance exceeds on one side once in a thousand.
 constexpr double significant_pull = 3.09;
+// Residuals below this share of the data are rounding errors, and pull without meaning.
+constexpr double rounding_share = 1e-7;
 
 constexpr std::array<const char*, scene_size> names = {"mass1", "mass2", "clearance", "restitution", "contact_time"};
 constexpr std::array<const char*, scene_size> units = {"kg", "kg", "m", "1", "s"};
@@ -38,7 +40,7 @@ struct FisherMatrix {
   std::array<double, scene_size> column{};  // lengths
   SceneGradient eigenvalues = SceneGradient::Zero();
   SceneMatrix eigenvectors = SceneMatrix::Zero();  // of the scaled matrix
-  std::array<bool, scene_size> is_free{};           // directions
+  std::array<bool, scene_size> is_free{};          // directions
   std::size_t determined = 0;
   double condition = 1;
 };
@@ -170,7 +172,7 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
   const double largest = change.cwiseAbs().maxCoeff(&leading);
   change /= change[leading] < 0 ? -largest : largest;
   constexpr std::array<const char*, scene_size> coordinates = {"ln mass1", "ln mass2", "ln clearance", "restitution",
-                                                           "contact time"};
+                                                               "contact time"};
   std::string which, rates;
   for (std::size_t k = 0; k < scene_size; ++k) {
     const double rate = change[static_cast<Eigen::Index>(k)];
@@ -183,7 +185,7 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
 }
 
 struct Noise {
-  double variance;    // of the residuals, widened
+  double variance;        // of the residuals, widened
   SceneMatrix jackknife;  // covariance, widened
   double t;
   double time_unit;  // of the contact time, s
@@ -204,7 +206,8 @@ SceneEstimate estimate(const FisherMatrix& fisher, const SceneGradient& gradient
 
 // How hard the data press a parameter against its limit, in standard deviations of what noise does: the square is the
 // fall of the cost to be expected beyond the limit, the inner parameters being free to follow.
-double pull(const NormalEquations& equations, const std::array<bool, scene_size>& inner, std::size_t at_limit, double variance) {
+double pull(const NormalEquations& equations, const std::array<bool, scene_size>& inner, std::size_t at_limit,
+            double variance) {
   SceneMatrix matrix = SceneMatrix::Identity();
   SceneGradient coupling = SceneGradient::Zero();
   for (std::size_t k = 0; k < scene_size; ++k) {
@@ -354,7 +357,7 @@ void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
 }
 
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                   const SceneVector& theta, double widening, double time_unit) {
+                                   const SceneVector& theta, double widening, const SceneData& data) {
   SceneUncertainty result{};
   std::array<bool, scene_size> inner{}, at_bound{};
   std::size_t bound_count = 0;
@@ -371,29 +374,32 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
   const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
   const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
-                    frac::student_t_95(degrees), time_unit};
+                    frac::student_t_95(degrees), data.time_unit};
 
   const SceneVector value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3],
-                             theta[4] * time_unit};
+                             theta[4] * data.time_unit};
+  const double rounding = rounding_share * data.typical_misfit;
   for (std::size_t k = 0; k < scene_size; ++k) {
-    if (at_bound[k] && pull(equations, inner, k, variance) > significant_pull) {
-      result.strained.push_back(std::string("The data pull ") + names[k] + " beyond its limit " +
-                                short_text(value[k]) + ".");
+    if (at_bound[k] && pull(equations, inner, k, std::max(variance, rounding * rounding)) > significant_pull) {
+      result.strained.push_back(std::string("The data pull ") + names[k] + " beyond its limit " + short_text(value[k]) +
+                                ".");
     }
   }
 
   std::array<SceneGradient, scene_size> gradient;
   for (std::size_t k = 0; k < scene_size; ++k) {
     gradient[k] = SceneGradient::Zero();
-    gradient[k][static_cast<Eigen::Index>(k)] = k < 3 ? value[k] : k == 3 ? 1 : time_unit;
+    gradient[k][static_cast<Eigen::Index>(k)] = k < 3 ? value[k] : k == 3 ? 1 : data.time_unit;
     SceneEstimate parameter = estimate(fisher, gradient[k], value[k], noise);
     parameter.name = names[k];
     parameter.unit = units[k];
     parameter.fixed = !bounds.is_free(k);
     parameter.at_bound = at_bound[k] && !inner[k];
     close_interval(parameter);
-    if (k < result.parameters.size()) result.parameters[k] = parameter;
-    else if (bounds.upper[k] > 0) result.contact = contact_estimates(fisher, value, parameter, result.parameters[3], noise);
+    if (k < result.parameters.size())
+      result.parameters[k] = parameter;
+    else if (bounds.upper[k] > 0)
+      result.contact = contact_estimates(fisher, value, parameter, result.parameters[3], noise);
   }
   result.covariance = covariances(result.parameters, fisher, gradient);
   result.combinations = combinations_of(value, [&](const SceneGradient& of, double combined) {
