@@ -237,11 +237,12 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residual_correlation = adequacy.correlation;
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
+    const double least_variance = options.sigma_is_measured ? 1 : 0;
     detail::SceneUncertainty uncertainty =
-        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening);
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, least_variance);
     for (const detail::LocalScene& rival : found.rivals) {
       stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival.theta, rival.choices), known.bounds,
-                                             rival.theta, widening),
+                                             rival.theta, widening, least_variance),
                    uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},

@@ -300,7 +300,7 @@ void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
 }
 
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                   const SceneVector& theta, double widening) {
+                                   const SceneVector& theta, double widening, double least_variance) {
   SceneUncertainty result{};
   std::array<bool, 4> inner{}, at_bound{};
   std::size_t bound_count = 0;
@@ -314,7 +314,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   result.condition = fisher.condition;
   result.rank = fisher.determined + bound_count;
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
-  const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
+  const double variance = degrees > 0 ? widening * widening * std::max(equations.cost / degrees, least_variance) : nan;
   const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
                     frac::student_t_95(degrees)};
 

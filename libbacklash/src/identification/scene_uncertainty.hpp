@@ -22,9 +22,10 @@ struct SceneUncertainty {
   double condition;
   std::size_t rank;  // directions determined, parameters at a bound among them
 };
-/// @param widening  factor on the standard errors
+/// @param widening        factor on the standard errors
+/// @param least_variance  that the residuals count as, over their deviations
 [[nodiscard]] SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                                 const SceneVector& theta, double widening);
+                                                 const SceneVector& theta, double widening, double least_variance);
 
 /// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
 /// without an interval, as at a limit.
