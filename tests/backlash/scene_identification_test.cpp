@@ -413,6 +413,37 @@ TEST(SceneIdentification, SigmaWeighsThePoints) {
   EXPECT_NEAR(result.parameters[3].value, 0.6, 5 * result.parameters[3].standard_error);
 }
 
+// Measured deviations are a floor of the residual variance: where they are larger than the scatter the standard errors
+// are in proportion to them, and where they are smaller the scatter decides alone, as without that knowledge.
+TEST(SceneIdentification, MeasuredSigmaIsAFloorOfTheScatter) {
+  support::Random random(34);
+  const auto curves = measured(scene, band_lower, band_upper, 6, 1e-3, random);
+  const auto errors = [&](double sigma, bool is_measured) {
+    auto weighed = curves;
+    for (auto& curve : weighed) {
+      std::vector<double> deviation;
+      for (const Complex& z : curve.data.value()) deviation.push_back(sigma * std::abs(z));
+      curve.data = {curve.data.omega(), curve.data.value(), deviation};
+    }
+    auto options = with_mass1(1.5);
+    options.weight = frac::Weight::given;
+    options.sigma_is_measured = is_measured;
+    std::vector<double> found;
+    for (const auto& parameter : identify_scene(weighed, options).parameters)
+      if (!parameter.fixed) found.push_back(parameter.standard_error);
+    return found;
+  };
+  const auto known = errors(5e-3, true), twice = errors(1e-2, true), ratios = errors(5e-3, false);
+  const auto small = errors(1e-4, true), small_ratios = errors(1e-4, false);
+  ASSERT_EQ(known.size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k) {
+    // The estimate is the same but for where the search ends, a relative 1e-6.
+    EXPECT_NEAR(twice[k] / known[k], 2, 1e-4);
+    EXPECT_GT(known[k], 3 * ratios[k]);
+    EXPECT_NEAR(small[k] / small_ratios[k], 1, 1e-4);
+  }
+}
+
 TEST(SceneIdentification, RefusesWhatMakesNoSense) {
   support::Random random(10);
   const auto curves = measured(scene, band_lower, band_upper, 5, 0, random);

@@ -70,6 +70,7 @@ Case random_case(support::Random& random) {
   made.sensors.clock_jitter = random.below(2) == 0 ? 0 : random.uniform(0, 0.02) * made.sensors.sample_time;
   made.options.output = made.body;
   made.options.weight = frac::Weight::given;
+  made.options.sigma_is_measured = true;
   made.options.threads = 1;
   if (random.below(4) > 0) made.options.constraints.push_back({"mass1", made.system.mass1(), {}, {}, {}});
   return made;

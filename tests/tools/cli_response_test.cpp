@@ -171,6 +171,43 @@ TEST(ResponseCommand, FitTakesTheFileAndItsDeviations) {
 }
 
 // A static cubic y = u + 0.1 u^3 under odd lines: the picture names the response, its noise and both distortions.
+// Two encoders of one drive from one record: one formula each with shared poles, weighed by the deviations.
+TEST(ResponseCommand, TwoOutputsOfOneMachineShareTheirPoles) {
+  const TemporaryFolder folder;
+  support::Random random(6);
+  std::vector<double> phases;
+  for (int k = 0; k < 60; ++k) phases.push_back(random.uniform(0, 2 * pi));
+  const auto sum = [&](double i, const std::function<std::complex<double>(std::complex<double>)>& response) {
+    double value = 0;
+    for (int k = 1; k <= 60; ++k)
+      value += (response({0, pi * k}) * std::polar(1.0, phases[static_cast<std::size_t>(k - 1)] + 2 * pi * k * i / 400))
+                   .real();
+    return value;
+  };
+  const auto poles = [](std::complex<double> s) { return s * s + 6.0 * s + 900.0; };
+  const auto file = folder.write(
+      "drive.csv",
+      table("time_s,u,y1,y2", 4000,
+            {[](double i) { return i / 200; }, [&](double i) { return sum(i, [](auto) { return 1.0; }); },
+             [&](double i) {
+               return sum(i, [&](auto s) { return (20.0 * s + 900.0) / poles(s); }) + 0.3 * random.normal();
+             },
+             [&](double i) { return sum(i, [&](auto s) { return 500.0 / poles(s); }) + 0.3 * random.normal(); }}));
+  const auto written = folder.path("both.csv");
+  ASSERT_EQ(run_fracfit({"response", file, "--out", written}).code, 0);
+  std::vector<std::string> words{"joint-fit", written, "--model",  "(b1 s + b0)/(s^2 + c s + k)",
+                                 "--shared",  "c,k",   "--format", "json"};
+  const auto result = run_fracfit(words);
+  EXPECT_NE(result.error.find("divided by sigma, which was measured"), std::string::npos) << result.error;
+  const auto fit = rows_of(result);
+  for (const auto& parameter : fit.at("shared")) {
+    const double exact = parameter.at("name") == "c" ? 6 : 900;
+    EXPECT_NEAR(parameter.at("value").get<double>(), exact, 4 * parameter.at("standard_error").get<double>());
+  }
+  words.insert(words.end(), {"--weight", "given"});
+  EXPECT_EQ(fit.at("shared"), rows_of(run_fracfit(words)).at("shared"));
+}
+
 TEST(ResponseCommand, DrawsResponseNoiseAndDistortion) {
   const TemporaryFolder folder;
   support::Random random(5);

@@ -337,12 +337,13 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residual_correlation = adequacy.correlation;
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
+    const double least_variance = options.sigma_is_measured ? 1 : 0;
     detail::SceneUncertainty uncertainty =
-        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, data);
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, least_variance, data);
     for (const detail::LocalScene& rival : found.rivals) {
-      stretch_over(
-          detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening, data),
-          uncertainty);
+      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening,
+                                             least_variance, data),
+                   uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
            rival.theta[4] * data.time_unit,

@@ -56,7 +56,7 @@ struct LocalScene {
   SceneVector theta{};
   std::vector<PointChoice> choices;
   std::vector<FoundMotions> found;  // per point where the contact time is not held at 0, else empty
-  double deviance = 0;  // see scene_evidence
+  double deviance = 0;              // see scene_evidence
   bool converged = false;
   bool usable = false;  // at least as many residuals as free parameters
 };

@@ -357,7 +357,8 @@ void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
 }
 
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                   const SceneVector& theta, double widening, const SceneData& data) {
+                                   const SceneVector& theta, double widening, double least_variance,
+                                   const SceneData& data) {
   SceneUncertainty result{};
   std::array<bool, scene_size> inner{}, at_bound{};
   std::size_t bound_count = 0;
@@ -372,7 +373,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   result.condition = fisher.condition;
   result.rank = fisher.determined + bound_count;
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
-  const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
+  const double variance = degrees > 0 ? widening * widening * std::max(equations.cost / degrees, least_variance) : nan;
   const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
                     frac::student_t_95(degrees), data.time_unit};
 

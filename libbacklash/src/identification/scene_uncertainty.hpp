@@ -26,9 +26,11 @@ struct SceneUncertainty {
 /// A contact time of 0 that may rise is no limit of the scene, but the hard contact: the other parameters' intervals
 /// hold for all contact times that the data allow.
 /// @param widening  factor on the standard errors
+/// @param least_variance  that the residuals count as, over their deviations
 /// @param data  tells the unit of the contact time, and which residuals are rounding
 [[nodiscard]] SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                                 const SceneVector& theta, double widening, const SceneData& data);
+                                                 const SceneVector& theta, double widening, double least_variance,
+                                                 const SceneData& data);
 
 /// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
 /// without an interval, as at a limit.

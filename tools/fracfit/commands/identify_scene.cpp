@@ -177,6 +177,7 @@ class IdentifyScene : public Command {
       options()["--weight"].say(std::string(to_string(scene_.weight)));
       say(weighed_by_measured_sigma);
     }
+    scene_.sigma_is_measured = all_measured && scene_.weight == frac::Weight::given;
     scene_.output = backlash::output_from_string(body.empty() ? "x1" : body);
     return curves;
   }

@@ -183,7 +183,7 @@ class JointFit : public Command {
     JointRun run{
         .command = command_line(), .formula = chosen_.formula, .derived = quantities_, .derived_from = derived_from_};
     const auto note = [this](const std::string& text) { say(text); };
-    bool same_unit = true, in_hertz = true;
+    bool same_unit = true, in_hertz = true, all_measured = true;
     run.lower = std::numeric_limits<double>::infinity();
     const auto add = [&](const std::string& name, auto data, std::size_t points, io::Metadata header) -> auto& {
       frac::JointCurve& added = curves.emplace_back(frac::JointCurve{name, std::move(data)});
@@ -207,6 +207,7 @@ class JointFit : public Command {
     const auto add_response = [&](const BatchCurve& curve) {
       auto file = read_curve(request_, curve, note);
       same_unit = same_unit && (run.upper == 0 || file.value_unit == run.value_unit);
+      all_measured = all_measured && io::has_measured_sigma(file);
       in_hertz = in_hertz && file.data.frequency_unit() == frac::FrequencyUnit::hertz;
       run.value_unit = file.value_unit;
       run.lower = std::min(run.lower, file.data.omega().front());
@@ -224,6 +225,14 @@ class JointFit : public Command {
       for (const auto& curve : curves_of({file}, request_)) add_response(curve);
     }
     settle_kind(run, weight_over_time, is_for_records);
+    const bool all_over_time =
+        std::all_of(run.curves.begin(), run.curves.end(), [](const auto& each) { return each.over_time; });
+    if (all_measured && !all_over_time && !options()["--weight"].is_given()) {
+      fit_.fit.weight = frac::Weight::given;
+      options()["--weight"].say(std::string(to_string(fit_.fit.weight)));
+      run.command = command_line();
+      say(weighed_by_measured_sigma);
+    }
     fit_.fit.component = request_.component;
     if (!same_unit) run.value_unit.clear();
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
