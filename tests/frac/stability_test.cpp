@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string>
 
+#include "frac/loop_stability.hpp"
 #include "frac/model/algebra.hpp"
 #include "support/dense_maximum.hpp"
 #include "support/expect_invalid_argument.hpp"
@@ -246,6 +247,46 @@ TEST(Stability, OfLoopsWithDeadTime) {
 
 // s^2 + 0.01 s + 1e4 + 10 e^{-L s}: only about 100 rad/s does the last term exceed the others.  There the delay turns
 // it by -100 L, a quarter turn takes 10/100 from the damping of 0.01 and three quarters add it.
+// 1 + K e^{-Ts}/s^a has its first root on the axis at omega T = pi (1 - a/2), where K = omega^a.  s - 1 + K e^{-Ts} has
+// one at 0 for K = 1 and the next where atan(omega) = omega T, K = sqrt(1 + omega^2).
+TEST(Stability, OfClosedLoopsWithDeadTime) {
+  const auto stability = [](const std::string& forward, const std::string& loop) {
+    const frac::DelayedLoop closed{frac::FractionalTransferFunction::parse(forward),
+                                   frac::FractionalTransferFunction::parse(loop)};
+    return frac::analyse_closed_loop(closed).stability;
+  };
+  const double delay = 0.7;
+  for (const double order : {0.5, 0.9, 1.0, 1.4}) {
+    const double limit = std::pow(std::numbers::pi * (1 - order / 2) / delay, order);
+    for (const auto& [gain, expected] :
+         {std::pair{0.999 * limit, frac::Stability::stable}, std::pair{1.001 * limit, frac::Stability::unstable}}) {
+      const std::string power = "s^" + std::to_string(order);
+      const std::string loop = std::to_string(gain) + " exp(-0.7 s)/" + power;
+      EXPECT_EQ(stability(loop, loop), expected) << loop;
+      EXPECT_EQ(stability("1/" + power, loop), expected) << loop;  // a disturbance behind the controller
+      EXPECT_EQ(stability("1/(s + 1)", loop), expected) << loop;   // a filter in front
+      EXPECT_EQ(stability("s " + power + "/" + power, loop),
+                expected == frac::Stability::stable ? frac::Stability::differentiating : expected)
+          << loop;
+    }
+  }
+  double omega = 14;  // of atan(omega) = 0.1 omega
+  for (int i = 0; i < 100; ++i) omega = 10 * std::atan(omega);
+  const double limit = std::sqrt(1 + omega * omega);
+  for (const double gain : {0.99, 1.01, 0.99 * limit, 1.01 * limit}) {
+    const std::string loop = std::to_string(gain) + " exp(-0.1 s)/(s - 1)";
+    const auto expected = gain > 1 && gain < limit ? frac::Stability::stable : frac::Stability::unstable;
+    EXPECT_EQ(stability("1/(s - 1)", loop), expected) << loop;
+    EXPECT_EQ(stability("(s + 3)/(s - 1)^2", loop), frac::Stability::unstable)
+        << loop;  // one more pole than the loop has
+  }
+  // What stands in front of a loop stays: nothing in the loop moves it.
+  EXPECT_EQ(stability("1/(s - 1)", "exp(-s)/(s + 2)"), frac::Stability::unstable);
+  EXPECT_EQ(stability("1/(s^2 + 1)", "exp(-s)/(s + 2)"), frac::Stability::marginal);
+  EXPECT_EQ(stability("1/s", "exp(-s)/(s + 2)"), frac::Stability::integrating);
+  EXPECT_EQ(stability("1/(s + 5)", "exp(-s)/(s + 2)"), frac::Stability::stable);
+}
+
 TEST(Stability, OfALoopThatExceedsOneAtAResonanceOnly) {
   const auto closed = [](double delay) {
     return frac::analyse_closed_loop({{{10, 0}}, {{1, 2}, {0.01, 1}, {1e4, 0}}, delay});

@@ -72,7 +72,7 @@ def test_a_closed_loop_with_dead_time_answers_over_time():
     assert np.allclose(closed.respond(t, np.ones(t.size)).output, response.output, rtol=0, atol=1e-8)
     with pytest.raises(ValueError, match="has one method"):
         closed.step(t, method="bdf2")
-    with pytest.raises(ValueError, match="is no ratio of sums of powers"):
+    with pytest.raises(ValueError, match="infinitely many poles"):
         closed.poles()
 
 
@@ -330,3 +330,17 @@ def test_core_needs_no_solver():
 
     code = "import fracfit, sys; fracfit.Model('1/s')(1j); assert 'fracfit._fitting' not in sys.modules and 'fracfit._files' not in sys.modules; print([l.split()[-1] for l in open('/proc/self/maps') if 'ceres' in l or 'nlopt' in l])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+def test_a_closed_loop_with_dead_time_is_told_stable_or_not():
+    # The first root of 1 + K exp(-T s)/s^a on the axis: K T^a = (pi (1 - a/2))^a.
+    for order, dead_time in ((1, 1.0), (0.5, 0.3)):
+        limit = (np.pi * (1 - order / 2) / dead_time) ** order
+        plant = fracfit.Model(f"exp(-{dead_time} s)/s^{order}")
+        for gain, stable in ((0.999 * limit, True), (1.001 * limit, False)):
+            assert (gain * plant).feedback().is_stable() is stable
+            assert plant.feedback(gain).is_stable() is stable
+    with pytest.raises(ValueError, match="infinitely many poles; is_stable"):
+        plant.feedback().poles()
+    # What stands in front of the loop stays.
+    assert not (fracfit.Model("1/(s - 1)") * fracfit.Model("exp(-s)/(s + 2)").feedback()).is_stable()

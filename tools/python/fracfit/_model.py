@@ -414,12 +414,22 @@ class Model:
     def poles(self) -> np.ndarray:
         """Poles on the principal sheet, rad/s, both members of each pair.
 
+        Raises
+        ------
+        ValueError
+            Of a closed loop with dead time, which has infinitely many; ``is_stable()`` counts those that matter.
+
         Examples
         --------
         >>> from fracfit import Model
         >>> Model("1/(s^2 + 2 s + 5)").poles()
         array([-1.+2.j, -1.-2.j])
         """
+        if not isinstance(self._driven, _core.TransferFunction):
+            raise ValueError(
+                f"{self.formula} is a closed loop with dead time, which has infinitely many poles; "
+                "is_stable() tells its stability"
+            )
         found = self._tf.stability()
         all_poles = []
         for pole, times in zip(found["poles"], found["multiplicity"]):
@@ -432,17 +442,29 @@ class Model:
         return Stability(self._tf.stability())
 
     def is_stable(self) -> bool:
-        """Whether a bounded input has a bounded output.
+        """Whether a bounded input has a bounded output; of a closed loop with dead time too.
 
         Raises
         ------
         RuntimeError
             The poles could not be counted.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> loop = Model("exp(-s)/s")
+        >>> (1.57 * loop).feedback().is_stable(), (1.58 * loop).feedback().is_stable()    # up to pi/2
+        (True, False)
         """
-        found = self._tf.stability()
-        if found["stability"] == "undetermined":
-            raise RuntimeError(f"the stability of {self.formula} is undetermined: {found['remark']}")
-        return found["stability"] == "stable"
+        driven = self._driven
+        if isinstance(driven, _core.DelayedLoop):
+            stability, remark = driven.closed_loop(), "its dead time makes more turns than can be followed"
+        else:
+            found = driven.stability()
+            stability, remark = found["stability"], found["remark"]
+        if stability == "undetermined":
+            raise RuntimeError(f"the stability of {self.formula} is undetermined: {remark}")
+        return stability == "stable"
 
     def margins(self) -> Margins:
         """Gain, phase and delay margin of the model as a loop.
@@ -614,7 +636,7 @@ class Model:
         """Closed loop ``self/(1 - sign self other)``.
 
         With dead time in the loop the result is no ratio of sums of powers: it has a frequency response and answers
-        over time, with a stated error, but no list of poles.
+        over time, with a stated error, and ``is_stable()`` tells its stability; its poles are infinitely many.
 
         Examples
         --------

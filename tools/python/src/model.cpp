@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/laplace_value.hpp"
+#include "frac/loop_stability.hpp"
 #include "frac/model/algebra.hpp"
 #include "frac/model/delayed_loop.hpp"
 #include "frac/model/frequency_response_data.hpp"
@@ -120,7 +121,10 @@ void add_model(py::module_& module) {
       .def("delayed_loop", [](const frac::Structure& structure, const std::vector<double>& values) {
         return frac::delayed_loop(structure, values);
       });
-  py::class_<frac::DelayedLoop>(module, "DelayedLoop");
+  py::class_<frac::DelayedLoop>(module, "DelayedLoop").def("closed_loop", [](const frac::DelayedLoop& closed) {
+    return std::string(
+        frac::to_string(result_of([&](frac::Progress&) { return frac::analyse_closed_loop(closed); }).stability));
+  });
   py::register_exception<frac::NoRatio>(module, "NoRatio", PyExc_ValueError);
   py::class_<Transfer>(module, "TransferFunction")
       .def_static("parse", [](const std::string& formula) { return Transfer::parse(formula); })
