@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Verdicts on records over time whose noise is of first order, among candidates that hold the true model: how often the
-// class is right, left open, wrong, or no candidate is said to describe the record.  Prints
+// Verdicts on records over time whose noise is of first order, among candidates that hold the true model, and of an
+// oscillator among lags, which do not describe it: how often the class is right, left open, wrong, or no candidate is
+// said to describe the record.  Prints
 // model,correlation,right,undecided,wrong,no candidate,of.  Arguments: [records of each kind] [first seed], or --smoke.
 #include <array>
 #include <cstdio>
@@ -19,9 +20,11 @@ struct Plant {
   const char* name;
   const char* formula;
   bool fractional;
+  bool among_lags = false;
 };
-constexpr std::array<Plant, 4> plants{{{"lag", "2/(1.5 s + 1)", false},
+constexpr std::array<Plant, 5> plants{{{"lag", "2/(1.5 s + 1)", false},
                                        {"oscillator", "2/(0.5 s^2 + 0.4 s + 1)", false},
+                                       {"oscillator among lags", "2/(0.5 s^2 + 0.4 s + 1)", false, true},
                                        {"fractional lag 0.6", "2/(1.5 s^0.6 + 1)", true},
                                        {"fractional lag 0.8", "2/(1.5 s^0.8 + 1)", true}}};
 
@@ -50,9 +53,11 @@ int main(int argc, char** argv) {
   const bool is_smoke = argc > 1 && std::strcmp(argv[1], "--smoke") == 0;
   const int records = is_smoke ? 1 : argc > 1 ? std::atoi(argv[1]) : 50;
   const int first = argc > 2 ? std::atoi(argv[2]) : 1;
-  std::vector<frac::NamedModel> models;
+  std::vector<frac::NamedModel> models, lags;
   for (const char* name : {"lag", "lag-delay", "oscillator", "fractional-lag", "fractional-lag-delay"})
     models.push_back(frac::find_model(name));
+  for (const frac::NamedModel& each : models)
+    if (each.name != "oscillator") lags.push_back(each);
   std::printf("# %s, GCC %s\nmodel,correlation,right,undecided,wrong,no candidate,of\n", FRACFIT_BUILD_TYPE,
               __VERSION__);
   for (const Plant& plant : plants) {
@@ -61,7 +66,8 @@ int main(int argc, char** argv) {
       for (int i = 0; i < records; ++i) {
         support::Random random(static_cast<std::uint64_t>(first + i) * 1000 +
                                static_cast<std::uint64_t>(100 * correlation));
-        const auto result = frac::identify(record_of(plant, correlation, random), models, frac::TimeFitOptions{}, 1);
+        const auto result = frac::identify(record_of(plant, correlation, random), plant.among_lags ? lags : models,
+                                           frac::TimeFitOptions{}, 1);
         const bool supported = result.verdict == frac::Verdict::fractional_supported;
         if (result.verdict == frac::Verdict::undecided) {
           ++undecided;

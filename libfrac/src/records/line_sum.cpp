@@ -64,6 +64,34 @@ double newton_step(const Rest& rest) {
   return std::inner_product(slope.begin(), slope.end(), rest.value.begin(), 0.0) / sum_of_squares(slope);
 }
 
+/// The period nearby that leaves least; a whole number where that leaves as little, a clock that runs with the
+/// generator: half a per cent is within the scatter of both, see period_of().
+Rest refined(const std::vector<double>& signal, Rest best) {
+  for (int round = 0; round < 12; ++round) {
+    const double step = newton_step(best);
+    if (!(std::abs(step) > 1e-14 * best.period)) break;
+    Rest next = rest_of(signal, best.period + step);
+    if (!(next.square < best.square)) break;
+    best = std::move(next);
+  }
+  const double whole = std::round(best.period);
+  if (!(std::abs(best.period - whole) < 0.1) || !(whole > 2)) return best;
+  constexpr double rounding = 1e-24;
+  Rest at_whole = rest_of(signal, whole);
+  const bool as_little = at_whole.square <= 1.005 * best.square + rounding * sum_of_squares(signal);
+  return as_little ? at_whole : best;
+}
+
+/// Whether lines of a period, at Schwarz's price, describe a signal better than a mean and noise do.  Half of the power
+/// of a short random signal repeats itself at some lag by chance.
+bool is_believed(const Rest& rest, const std::vector<double>& signal) {
+  const auto count = static_cast<double>(signal.size());
+  const double mean = std::accumulate(signal.begin(), signal.end(), 0.0) / count;
+  const double about_mean = sum_of_squares(signal) - count * mean * mean;
+  const double parameters = 2 * static_cast<double>(rest.line.size() - 1);
+  return count * std::log(about_mean / rest.square) > parameters * std::log(count);
+}
+
 }  // namespace
 
 LineSum::LineSum(std::size_t samples, double period)
@@ -123,26 +151,13 @@ std::vector<Complex> LineSum::fitted(const std::vector<double>& signal, const st
 }
 
 InputPeriod input_period(const std::vector<double>& input) {
+  const InputPeriod whole_record{static_cast<double>(input.size()), false};
   const std::optional<double> period = period_of(input);
   // A period of less has no line.
-  if (!period || !(*period > 2)) return {static_cast<double>(input.size()), false};
-  if (*period == std::round(*period)) return {*period, true};
+  if (!period || !(*period > 2)) return whole_record;
   Rest best = rest_of(input, *period);
-  for (int round = 0; round < 12; ++round) {
-    const double step = newton_step(best);
-    if (!(std::abs(step) > 1e-14 * best.period)) break;
-    Rest next = rest_of(input, best.period + step);
-    if (!(next.square < best.square)) break;
-    best = std::move(next);
-  }
-  // A clock that runs with the generator: half a per cent is within the scatter of both, see period_of().
-  const double whole = std::round(best.period);
-  if (std::abs(best.period - whole) < 0.1 && whole > 2) {
-    constexpr double rounding = 1e-24;
-    const double square = rest_of(input, whole).square;
-    if (square <= 1.005 * best.square + rounding * sum_of_squares(input)) return {whole, true};
-  }
-  return {best.period, true};
+  if (*period != std::round(*period)) best = refined(input, std::move(best));
+  return is_believed(best, input) ? InputPeriod{best.period, true} : whole_record;
 }
 
 }  // namespace frac::detail

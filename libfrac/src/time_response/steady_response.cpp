@@ -48,19 +48,59 @@ ComplexRow value_at_origin(const SensitiveTerm& top, const SensitiveTerm& bottom
   return row;
 }
 
+double largest_of(const std::vector<Complex>& line) {
+  double largest = 0;
+  for (std::size_t k = 1; k < line.size(); ++k) largest = std::max(largest, std::abs(line[k]));
+  return largest;
+}
+
+/// Without 0.
+std::vector<std::size_t> lines_above(const std::vector<Complex>& line, double least) {
+  std::vector<std::size_t> above;
+  for (std::size_t k = 1; k < line.size(); ++k)
+    if (std::abs(line[k]) > least) above.push_back(k);
+  return above;
+}
+
+/// Mean square of the error of a line, by what all lines leave of the input.
+double noise_power(const std::vector<double>& input, const LineSum& sum, const std::vector<Complex>& line) {
+  const std::vector<double> model = sum(line);
+  double square = 0;
+  for (std::size_t m = 0; m < input.size(); ++m) square += (input[m] - model[m]) * (input[m] - model[m]);
+  const auto count = static_cast<double>(input.size());
+  return 4 / count * square / std::max(1.0, count - 2 * static_cast<double>(line.size()));
+}
+
+/// Lines that noise of that power reaches with a chance below 1e-3 over all of them and, where a gap of more than a
+/// factor of 4 parts these, those above the widest: what lies below is the answer of a loop or of an amplifier to the
+/// rest, with disturbances in it, as in response().
+std::vector<std::size_t> excited_lines(const std::vector<Complex>& line, double noise) {
+  constexpr double chance = 1e-3, least_gap = 4;
+  const double least = std::sqrt(noise * std::log(static_cast<double>(line.size()) / chance));
+  std::vector<double> amplitude;
+  for (const std::size_t k : lines_above(line, std::max(least, 1e-13 * largest_of(line))))
+    amplitude.push_back(std::abs(line[k]));
+  if (amplitude.empty()) return {};
+  std::sort(amplitude.rbegin(), amplitude.rend());
+  double widest = least_gap, lowest = amplitude.back();
+  for (std::size_t i = 1; i < amplitude.size(); ++i) {
+    if (!(amplitude[i - 1] > widest * amplitude[i])) continue;
+    widest = amplitude[i - 1] / amplitude[i];
+    lowest = amplitude[i - 1];
+  }
+  return lines_above(line, lowest * (1 - 1e-12));
+}
+
 }  // namespace
 
 PeriodicInput::PeriodicInput(const std::vector<double>& time, const std::vector<double>& input)
     : period_(input_period(input)), samples_(input.size()), first_time_(time.front()) {
   const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   spacing_ = 2 * std::numbers::pi / (period_.samples * step);
-  line_ = LineSum(samples_, period_.samples).fitted(input, every_index(samples_));
-  constexpr double rounding = 1e-13;
-  double largest = 0;
-  for (const Complex& each : line_) largest = std::max(largest, std::abs(each));
-  for (std::size_t k = 1; k < line_.size(); ++k) {
-    if (std::abs(line_[k]) > rounding * largest) excited_.push_back(k);
-  }
+  const LineSum sum(samples_, period_.samples);
+  line_ = sum.fitted(input, every_index(samples_));
+  excited_ = period_.repeats ? excited_lines(line_, noise_power(input, sum, line_))
+                             : lines_above(line_, 1e-13 * largest_of(line_));
 }
 
 SteadyResponse::SteadyResponse(std::shared_ptr<const PeriodicInput> input, std::vector<std::size_t> index)
