@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -13,6 +14,7 @@
 #include "backlash/compliant/compliant_history.hpp"
 #include "backlash/loops/forced_bodies.hpp"
 #include "compliant/compliant_orbit.hpp"
+#include "compliant/symmetric_compliant_orbit.hpp"
 #include "support/compliant_integration.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -349,6 +351,37 @@ TEST(CompliantBodies, SymmetricOrbitsOfTwoContactsAreThoseOfTheFlow) {
   }
   EXPECT_GT(compared, 10);
   EXPECT_LT(refused, 3);
+}
+
+// An orbit that is given presses all the time of its contacts: by its solution in complex exponentials, sampled.
+TEST(CompliantBodies, SymmetricOrbitsPressThroughoutTheirContacts) {
+  using Long = std::complex<long double>;
+  support::Random random(12);
+  int orbits = 0;
+  for (int i = 0; i < 400; ++i) {
+    const backlash::detail::CompliantGroups groups{random.log_uniform(0.05, 2), random.log_uniform(1.5, 60),
+                                                   random.log_uniform(0.01, 0.95)};
+    const auto orbit = backlash::detail::symmetric_compliant_orbit_from_hard(groups);
+    if (!orbit) continue;
+    ++orbits;
+    const long double nu = groups.nu, zeta = groups.zeta, gamma = groups.gamma;
+    const Long one(0, 1), root = nu * Long(-zeta, std::sqrt(1 - zeta * zeta));
+    const Long amplitude = gamma / Long(nu * nu - 1, 2 * zeta * nu);
+    const Long turn = std::exp(one * Long(orbit->angle));
+    // delta = Re(A e^{j tau} + B e^{root t}) is 0 at first, with the rate of the orbit.
+    const long double value = -(amplitude * turn).real(), rate = orbit->speed - (one * amplitude * turn).real();
+    const Long b(value, (root.real() * value - rate) / root.imag());
+    double least = 0;
+    for (int k = 0; k <= 400; ++k) {
+      const long double t = orbit->duration * static_cast<long double>(k) / 400;
+      const Long forced = amplitude * turn * std::exp(one * Long(t)), free = b * std::exp(root * t);
+      const long double push = nu * nu * (forced + free).real() + 2 * zeta * nu * (one * forced + root * free).real();
+      least = std::min(least, static_cast<double>(push / (nu * orbit->speed)));
+    }
+    // 0 at the end but for rounding of the orbit: of angles, by the frequency of the contact.
+    EXPECT_GT(least, -1e-13 * groups.nu) << groups.gamma << " " << groups.nu << " " << groups.zeta;
+  }
+  EXPECT_GT(orbits, 100);
 }
 
 // Of every kind, through contacts, separations, sticks, reversals and slides: columns against central differences.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -210,11 +211,18 @@ class SymmetricOrbitsOfContacts {
     const double gamma = dimensionless_force(bodies_.system(), force_, omega);
     const CompliantGroups groups{gamma, contact_.frequency / omega, contact_.damping_ratio};
     std::optional<SymmetricCompliantOrbit> orbit;
-    if (last_) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
+    if (last_) {
+      const Guess guess = at_frequency(omega);
+      orbit = symmetric_compliant_orbit(groups, guess[0], guess[1], guess[2]);
+    }
+    if (last_ && !orbit) orbit = symmetric_compliant_orbit(groups, last_->angle, last_->speed, last_->duration);
     if (!orbit) orbit = symmetric_compliant_orbit_from_hard(groups);
     if (!orbit || !(orbit->largest_multiplier < 1)) return std::nullopt;
     last_ = orbit;
     last_omega_ = omega;
+    known_ = std::min<std::size_t>(known_ + 1, before_.size());
+    for (std::size_t k = known_ - 1; k > 0; --k) before_[k] = before_[k - 1];
+    before_[0] = {omega, {orbit->angle, orbit->speed, orbit->duration}};
     return point(*orbit, gamma, omega);
   }
 
@@ -237,6 +245,19 @@ class SymmetricOrbitsOfContacts {
   }
 
  private:
+  using Guess = std::array<double, 3>;  // angle, speed, duration
+  // By the polynomial through the last orbits.
+  [[nodiscard]] Guess at_frequency(double omega) const {
+    Guess guess{};
+    for (std::size_t k = 0; k < known_; ++k) {
+      double weight = 1;
+      for (std::size_t other = 0; other < known_; ++other)
+        if (other != k) weight *= (omega - before_[other].first) / (before_[k].first - before_[other].first);
+      for (std::size_t i = 0; i < guess.size(); ++i) guess[i] += weight * before_[k].second[i];
+    }
+    return guess;
+  }
+
   [[nodiscard]] DescribingFunctionPoint point(const SymmetricCompliantOrbit& orbit, double gamma, double omega) const {
     const double mass1 = bodies_.system().mass1(), mass2 = bodies_.system().mass2();
     // With the gap's phasor U = contact - gamma: x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma over the inertia.
@@ -266,6 +287,8 @@ class SymmetricOrbitsOfContacts {
   FreeContact contact_;
   std::optional<SymmetricCompliantOrbit> last_;
   double last_omega_ = 0;
+  std::array<std::pair<double, Guess>, 3> before_{};  // frequencies and orbits, the last first
+  std::size_t known_ = 0;
 };
 
 // At a peak of the force; free bodies with their centre of mass at rest, as the force leaves it there.

@@ -21,6 +21,7 @@ struct Pair {
 
 // e^{A t} of delta'' + 2 zeta nu delta' + nu^2 delta = 0.
 struct Oscillator {
+  Oscillator() = default;
   Oscillator(const CompliantGroups& groups, double t) {
     const double a = groups.zeta * groups.nu;
     const double square = groups.nu * groups.nu * (1 - groups.zeta) * (1 + groups.zeta);
@@ -46,7 +47,7 @@ struct Oscillator {
     rr = c - a * s;
   }
   [[nodiscard]] Pair operator*(Pair z) const { return {vv * z.value + vr * z.rate, rv * z.value + rr * z.rate}; }
-  double vv, vr, rv, rr;
+  double vv = 1, vr = 0, rv = 0, rr = 1;
 };
 
 // Re(amplitude e^{j angle}) and its rate.
@@ -59,7 +60,7 @@ class Equations {
  public:
   explicit Equations(const CompliantGroups& groups)
       : g_(groups),
-        amplitude_(groups.gamma / Complex((groups.nu - 1) * (groups.nu + 1), 2 * groups.zeta * groups.nu)) {}
+        amplitude_(groups.gamma * inverse(Complex((groups.nu - 1) * (groups.nu + 1), 2 * groups.zeta * groups.nu))) {}
 
   void set(double angle, double speed, double duration) {
     angle_ = angle;
@@ -69,7 +70,9 @@ class Equations {
     end_ = std::polar(1.0, angle + duration);
     const Pair begin = forced(amplitude_, begin_), end = forced(amplitude_, end_);
     const Oscillator flow(g_, duration);
-    const Pair free = flow * Pair{-begin.value, speed - begin.rate};
+    flow_ = flow;
+    start_ = {-begin.value, speed - begin.rate};
+    const Pair free = flow * start_;
     delta_ = free.value + end.value;
     rate_ = free.rate + end.rate;
     cosine_ = end_.real();
@@ -119,13 +122,16 @@ class Equations {
   // The wall presses from the start to the end of the contact: no interval is left in which the bound of its second
   // rate would let the force fall to 0.
   [[nodiscard]] bool presses_throughout() const {
-    const Pair begin = forced(amplitude_, begin_);
-    const double nu = g_.nu, size = std::hypot(nu * begin.value, speed_ - begin.rate) + g_.nu * 1e-300;
+    const double push = press(0, speed_), bend = g_.gamma * cosine_ - press(delta_, rate_);
+    const Pair at_start{push, press(speed_, g_.gamma * begin_.real() - push)};
+    const Pair at_end{press(delta_, rate_), press(rate_, bend)};
+    if (is_one_swing(at_start.value)) return true;
+    const double nu = g_.nu, size = std::hypot(nu * start_.value, start_.rate) + g_.nu * 1e-300;
     // Of the second rate of the force: free part nu^3 (1 + 2 zeta) times its size, grown by no damping, and forced
     // part.
     const double bound = nu * nu * nu * (1 + 2 * g_.zeta) * (1 + 2 * g_.zeta) * (1 + 2 * g_.zeta) * size +
                          (nu * nu + 2 * g_.zeta * nu) * std::abs(amplitude_);
-    return presses(0, push_at(0), duration_, push_at(duration_), bound, 0);
+    return presses(0, at_start, duration_, at_end, bound, 0);
   }
 
   // In the free flight the gap falls all the time, and the force that a wall would have does too while bodies overlap.
@@ -155,19 +161,21 @@ class Equations {
       const auto k = static_cast<double>(order);
       // Of e^{-j k tau} over the contact.
       const auto exponential = [&](std::size_t of) {
-        return of == 0 ? Complex(duration_) : (last[of] - first[of]) / Complex(0, -static_cast<double>(of));
+        if (of == 0) return Complex(duration_);
+        const Complex change = (last[of] - first[of]) / static_cast<double>(of);
+        return Complex(-change.imag(), change.real());
       };
       const Complex force = gamma / 2 * (exponential(order - 1) + exponential(order + 1));
       const Complex position = delta_ * last[order], rate = rate_ * last[order] - speed_ * first[order];
       // Of delta, from the equation of motion by parts.
       const Complex gap =
-          (force - rate - i1 * k * position - damping * position) / Complex(stiffness - k * k, damping * k);
+          (force - rate - i1 * k * position - damping * position) * inverse(Complex(stiffness - k * k, damping * k));
       orbit.contact[n] = 2 / pi * (force - rate - i1 * k * position + k * k * gap);
       // The force's work during contact less the growth of kinetic energy, in both contacts.
       if (n == 0) orbit.loss = 2 * (gamma * (position + i1 * gap).real() + 0.5 * (speed_ - rate_) * (speed_ + rate_));
     }
     // Half the map, in (gap, rate): entry keeps the gap and lowers the rate by 2 zeta nu of its change.
-    const Oscillator flow(g_, duration_);
+    const Oscillator& flow = flow_;
     const double left = pi - duration_;
     const Pair columns[2] = {flow * Pair{1, -damping}, flow * Pair{0, 1}};
     const double half_trace = columns[0].value + left * columns[0].rate + columns[1].rate;
@@ -179,6 +187,25 @@ class Equations {
   }
 
  private:
+  [[nodiscard]] static Complex inverse(Complex z) { return std::conj(z) / std::norm(z); }
+  // The force is e^{-a t} (C cos(w t + phase) + e^{a t} q), q of the forced part: above 0 where the cosine outweighs
+  // the other, rising to there and falling from there, as it begins at 0 or more and ends at 0.  Sufficient: a force of
+  // a lightly damped contact that is short against the period.
+  [[nodiscard]] bool is_one_swing(double at_start) const {
+    const double a = g_.zeta * g_.nu, square = g_.nu * g_.nu - a * a;
+    if (!(square > 0) || at_start < 0) return false;
+    const double w = std::sqrt(square), damping = 2 * g_.zeta * g_.nu, stiffness = g_.nu * g_.nu;
+    // Of the free part at the start: the force, and its rate with a times it.
+    const double force = stiffness * start_.value + damping * start_.rate;
+    const double second = -damping * start_.rate - stiffness * start_.value;
+    const double across = (stiffness * start_.rate + damping * second + a * force) / w;
+    const double size = std::hypot(force, across);
+    const double other = std::exp(a * duration_) * std::abs(amplitude_) * g_.nu * std::hypot(g_.nu, 2 * g_.zeta);
+    const double share = other * (1 + a) / (size * w);  // of the other's rate in that of the cosine
+    if (!(share < 1) || !(size * std::sqrt(1 - share * share) > other)) return false;
+    const double from = std::atan2(-across, force), to = from + w * duration_, turn = std::asin(share);
+    return from > turn - pi && to < pi - turn;
+  }
   [[nodiscard]] double nu_() const { return g_.nu; }
   [[nodiscard]] double press(double delta, double rate) const { return g_.nu * (g_.nu * delta + 2 * g_.zeta * rate); }
   // The force of the wall and its rate.
@@ -224,6 +251,8 @@ class Equations {
   Complex amplitude_;
   double angle_ = 0, speed_ = 0, duration_ = 0;
   Complex begin_, end_;  // e^{j tau} where the contact begins and ends
+  Oscillator flow_;      // over the contact
+  Pair start_{};         // its free part where it begins
   double delta_ = 0, rate_ = 0, cosine_ = 0, sine_ = 0, kick_ = 0;
   std::array<double, 3> miss_{};
   std::array<std::array<double, 3>, 3> jacobian_{};
@@ -234,7 +263,7 @@ class Equations {
 std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit(const CompliantGroups& groups, double angle,
                                                                  double speed, double duration) {
   constexpr int most_steps = 12;
-  constexpr double converged = 1e-10;  // of a step; the next is its square
+  constexpr double converged = 1e-8;  // of a step, over the duration of the contact; the next is its square
   Equations equations(groups);
   bool is_last = false;
   for (int n = 0; n <= most_steps; ++n) {
@@ -246,7 +275,7 @@ std::optional<SymmetricCompliantOrbit> symmetric_compliant_orbit(const Compliant
     speed += change[1];
     duration += change[2];
     if (!(speed > 0 && duration > 0 && duration < pi)) return std::nullopt;
-    is_last = std::abs(change[0]) < converged && std::abs(change[1]) < converged * (1 + speed) &&
+    is_last = std::abs(change[0]) < converged * duration && std::abs(change[1]) < converged * (1 + speed) &&
               std::abs(change[2]) < converged * duration;
   }
   if (!is_last || !(equations.residual() < 1e-10)) return std::nullopt;
