@@ -8,7 +8,7 @@ import math
 import re
 import warnings
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence, Union, overload
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence, Union
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from ._text import escaped, html_table, reporter, short
 from ._words import meant, named, no_attribute
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from ._economy import Economy
 
 try:
@@ -456,76 +458,10 @@ Limits = Union[Mapping[str, Union["tuple[float | None, float | None]", str]], st
 Priors = Union[Mapping[str, Union[str, "tuple[float, float]"]], str, Sequence[str], None]
 
 
-@overload
-def fit(
-    data: Any,
-    model: Model | str | None = None,
-    *,
-    grow: str | None = None,
-    component: str = "both",
-    weight: str = "learned",
-    loss: str = "none",
-    outliers: str = "leave-out",
-    fixed: Known = None,
-    bounds: Limits = None,
-    start: Known = None,
-    prior: Priors = None,
-    constraint: str | Sequence[str] = (),
-    derive: str | Sequence[str] = (),
-    realisation: Mapping[str, Any] | None = None,
-    noise_floor: float | None = None,
-    loss_scale: float | None = None,
-    seed: int = 1,
-    global_start: bool = True,
-    stable: bool | None = None,
-    dead_time: bool | None = None,
-    passive: bool = False,
-    offset: float | None = None,
-    trend: bool = False,
-    earlier_input: bool = False,
-    fix: Known = None,
-    bound: Limits = None,
-) -> FitResult: ...
-
-
-@overload
-def fit(
-    data: Any,
-    values: Any,
-    model: Model | str | None = None,
-    /,
-    *,
-    grow: str | None = None,
-    component: str = "both",
-    weight: str = "learned",
-    loss: str = "none",
-    outliers: str = "leave-out",
-    fixed: Known = None,
-    bounds: Limits = None,
-    start: Known = None,
-    prior: Priors = None,
-    constraint: str | Sequence[str] = (),
-    derive: str | Sequence[str] = (),
-    realisation: Mapping[str, Any] | None = None,
-    noise_floor: float | None = None,
-    loss_scale: float | None = None,
-    seed: int = 1,
-    global_start: bool = True,
-    stable: bool | None = None,
-    dead_time: bool | None = None,
-    passive: bool = False,
-    offset: float | None = None,
-    trend: bool = False,
-    earlier_input: bool = False,
-    fix: Known = None,
-    bound: Limits = None,
-) -> FitResult: ...
-
-
 @named
-def fit(  # type: ignore[misc]
+def fit(
     data: Any,
-    model: Any = None,
+    model: Model | str | ArrayLike | None = None,
     structure: Model | str | None = None,
     *,
     grow: str | None = None,
