@@ -13,8 +13,5 @@ namespace frac::detail {
 /// @param competitors  in the order of the ranking
 void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
                          const std::vector<Competitor>& competitors);
-/// Over time nothing is assumed.
-inline void keep_to_assumptions(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
-                                const std::vector<Competitor>&) {}
 
 }  // namespace frac::detail
