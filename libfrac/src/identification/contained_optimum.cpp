@@ -134,37 +134,6 @@ std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const 
   return result;
 }
 
-template <class Data, class Options>
-std::optional<FitResult> fitted_from(const Data& data, const FitResult& rich, const FitResult& simple,
-                                     const Options& options) {
-  const Structure structure(rich.model), contained(simple.model);
-  const std::vector<double> values = values_of(simple, contained);
-  const double gain = std::abs(contained.response(values, simple.centre_omega));
-  const std::optional<Containment> found =
-      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
-  if (!found) return std::nullopt;
-  std::optional<FitResult> best;
-  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
-  // above the simpler optimum, at what changes no cost.
-  for (const double smallness : {1e-6, 1e-14}) {
-    const std::vector<double> start = found->at(smallness);
-    Options warm = options;
-    warm.global_start = false;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
-      if (!own.fixed) own.start = start[i];
-    }
-    try {
-      FitResult fit = frac::fit(data, structure, warm);
-      if (!best || fit.cost < best->cost) best = std::move(fit);
-    } catch (const std::invalid_argument&) {
-      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
-    }
-    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
-  }
-  return best;
-}
-
 /// Whether the contained structure leaves so much more than a fit of the richer one that its optimum on all points
 /// cannot be the lower one.  Of many points some thousand are asked: what the contained structure leaves of them at its
 /// best there is no more than it leaves of them anywhere.
@@ -175,11 +144,7 @@ bool is_left_behind(const FrequencyResponseData& data, const FitResult& fit, con
   constexpr double clearly = 1.5;
   const std::size_t every = data.size() / enough;
   if (every < 2) return false;
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    if (i % every != 0) others.push_back(i);
-  }
-  const FrequencyResponseData some = without_points(data, others);
+  const FrequencyResponseData some = chosen_points(data, [&](std::size_t i) { return i % every == 0; });
   const auto square = [&](const FitOptions& own, const FitResult& of) {
     double sum = 0;
     for (const double each : weighted_residuals(some, own, of)) sum += each * each;
@@ -188,12 +153,6 @@ bool is_left_behind(const FrequencyResponseData& data, const FitResult& fit, con
   const FitResult best = frac::fit(some, contained, of_contained);
   return best.usable() && square(of_contained, best) > clearly * square(options, fit);
 }
-/// Simulations of records grow with their length alone; they are all compared.
-bool is_left_behind(const TimeResponseData&, const FitResult&, const TimeFitOptions&, const Structure&,
-                    const TimeFitOptions&) {
-  return false;
-}
-
 /// The terms of the outermost sum, each with its sign and in parentheses.
 void add_terms(const Expression& expression, const Node& node, bool negative, std::vector<std::string>& terms) {
   const auto operand = [&](int index) -> const Node& { return expression.nodes[static_cast<std::size_t>(index)]; };
@@ -228,60 +187,6 @@ std::vector<Structure> without_a_term(const Structure& structure) {
     if (shapes.insert(shape_of(contained.expression())).second) result.push_back(std::move(contained));
   }
   return result;
-}
-
-/// The fit, or where the optimum of a structure that it contains is lower the fit from there.
-/// @param clearly  share of the cost that it has to be lower by
-template <class Data, class Options>
-FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const Options& options,
-                        FitResult fit) {
-  fit.seconds += optimum.seconds;
-  if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
-  std::optional<FitResult> from = fitted_from(data, fit, optimum, options);
-  if (!from || !(from->cost < fit.cost)) return fit;
-  // A minimum that the search has not seen.
-  from->starts = fit.starts + 1;
-  from->starts_at_best = 1;
-  from->distinct_minima = fit.distinct_minima + 1;
-  from->confidence_of_optimum = confidence_of_optimum(from->starts, from->distinct_minima);
-  from->seconds += fit.seconds;
-  return std::move(*from);
-}
-
-template <class Data, class Options>
-FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
-  if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
-  const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
-  const auto compare = [&](const Structure& contained, const Options& of_contained, double clearly, auto optimum_of) {
-    try {
-      if (is_left_behind(data, fit, options, contained, of_contained)) return;
-      fit = no_worse_than(data, optimum_of(), clearly, options, std::move(fit));
-    } catch (const std::invalid_argument&) {
-      // It is not allowed where the user wants the richer one.
-    }
-  };
-  for (const auto& [preset, where] : contained_presets(structure, limits)) {
-    Options of_contained = options;
-    of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
-    const Structure contained(preset->formula);
-    compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
-  }
-  // Residuals that are rounding cannot be beaten.
-  if (fit.relative_rms <= rounding) return fit;
-  for (const Structure& contained : without_a_term(structure)) {
-    Options of_contained = options;
-    of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
-    // A term that the fitted part is blind to changes the cost by no more than where solvers end.
-    constexpr double solved = 1e-6;
-    compare(contained, of_contained, solved, [&] { return refit(data, contained, of_contained); });
-  }
-  return fit;
-}
-
-/// Takes over the noise floor of a fit, so that all structures compared have the same weights.
-FitOptions with_floor_of(FitOptions options, const FitResult& fit) {
-  if (options.weight == Weight::learned && !options.noise_floor) options.noise_floor = fit.noise_floor;
-  return options;
 }
 
 }  // namespace
@@ -324,22 +229,99 @@ std::vector<const NamedModel*> largest_contained(const Structure& structure,
   return largest;
 }
 
-std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const FitResult& rich,
-                                            const FitResult& simple, const FitOptions& options) {
-  return fitted_from(data, rich, simple, options);
-}
-std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const FitResult& rich,
-                                            const FitResult& simple, const TimeFitOptions& options) {
-  return fitted_from(data, rich, simple, options);
+template <class Data>
+std::optional<FitResult> fit_from_contained(const Data& data, const FitResult& rich, const FitResult& simple,
+                                            const OptionsOf<Data>& options) {
+  const Structure structure(rich.model), contained(simple.model);
+  const std::vector<double> values = values_of(simple, contained);
+  const double gain = std::abs(contained.response(values, simple.centre_omega));
+  const std::optional<Containment> found =
+      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
+  if (!found) return std::nullopt;
+  std::optional<FitResult> best;
+  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
+  // above the simpler optimum, at what changes no cost.
+  for (const double smallness : {1e-6, 1e-14}) {
+    const std::vector<double> start = found->at(smallness);
+    OptionsOf<Data> warm = options;
+    warm.global_start = false;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
+      if (!own.fixed) own.start = start[i];
+    }
+    try {
+      FitResult fit = frac::fit(data, structure, warm);
+      if (!best || fit.cost < best->cost) best = std::move(fit);
+    } catch (const std::invalid_argument&) {
+      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
+    }
+    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
+  }
+  return best;
 }
 
-FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,
-                                  const FitOptions& options, FitResult fit) {
-  return no_worse(data, structure, with_floor_of(options, fit), std::move(fit));
+template std::optional<FitResult> fit_from_contained(const FrequencyResponseData&, const FitResult&, const FitResult&,
+                                                     const FitOptions&);
+template std::optional<FitResult> fit_from_contained(const TimeResponseData&, const FitResult&, const FitResult&,
+                                                     const TimeFitOptions&);
+
+/// The fit, or where the optimum of a structure that it contains is lower the fit from there.
+/// @param clearly  share of the cost that it has to be lower by
+template <class Data>
+FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const OptionsOf<Data>& options,
+                        FitResult fit) {
+  fit.seconds += optimum.seconds;
+  if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
+  std::optional<FitResult> from = fit_from_contained(data, fit, optimum, options);
+  if (!from || !(from->cost < fit.cost)) return fit;
+  // A minimum that the search has not seen.
+  from->starts = fit.starts + 1;
+  from->starts_at_best = 1;
+  from->distinct_minima = fit.distinct_minima + 1;
+  from->confidence_of_optimum = confidence_of_optimum(from->starts, from->distinct_minima);
+  from->seconds += fit.seconds;
+  return std::move(*from);
 }
-FitResult no_worse_than_contained(const TimeResponseData& data, const Structure& structure,
-                                  const TimeFitOptions& options, FitResult fit) {
-  return no_worse(data, structure, options, std::move(fit));
+
+template <class Data>
+FitResult no_worse_than_contained(const Data& data, const Structure& structure, const OptionsOf<Data>& asked,
+                                  FitResult fit) {
+  if (asked.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
+  OptionsOf<Data> options = asked;
+  // All structures compared have the same weights.
+  if constexpr (is_response<Data>) options = settled(asked, fit);
+  const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
+  const auto compare = [&](const Structure& contained, const OptionsOf<Data>& of_contained, double clearly,
+                           auto optimum_of) {
+    try {
+      // Simulations of records grow with their length alone; they are all compared.
+      if constexpr (is_response<Data>)
+        if (is_left_behind(data, fit, options, contained, of_contained)) return;
+      fit = no_worse_than(data, optimum_of(), clearly, options, std::move(fit));
+    } catch (const std::invalid_argument&) {
+      // It is not allowed where the user wants the richer one.
+    }
+  };
+  for (const auto& [preset, where] : contained_presets(structure, limits)) {
+    OptionsOf<Data> of_contained = options;
+    of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
+    const Structure contained(preset->formula);
+    compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
+  }
+  // Residuals that are rounding cannot be beaten.
+  if (fit.relative_rms <= rounding) return fit;
+  for (const Structure& contained : without_a_term(structure)) {
+    OptionsOf<Data> of_contained = options;
+    of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
+    // A term that the fitted part is blind to changes the cost by no more than where solvers end.
+    constexpr double solved = 1e-6;
+    compare(contained, of_contained, solved, [&] { return refit(data, contained, of_contained); });
+  }
+  return fit;
 }
+
+template FitResult no_worse_than_contained(const FrequencyResponseData&, const Structure&, const FitOptions&,
+                                           FitResult);
+template FitResult no_worse_than_contained(const TimeResponseData&, const Structure&, const TimeFitOptions&, FitResult);
 
 }  // namespace frac::detail

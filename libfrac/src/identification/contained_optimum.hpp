@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "formula/containment.hpp"
-#include "frac/identification/fit.hpp"
 #include "frac/identification/model_library.hpp"
-#include "frac/identification/time_fit.hpp"
+#include "identification/data/fit_data.hpp"
 
 namespace frac::detail {
 
@@ -26,16 +25,15 @@ namespace frac::detail {
 /// a limit.  Empty where it may not start there or is no such structure.
 /// @param rich, simple  of the same data and options
 /// @param options       with the limits of the richer structure
-[[nodiscard]] std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const FitResult& rich,
-                                                          const FitResult& simple, const FitOptions& options);
-[[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const FitResult& rich,
-                                                          const FitResult& simple, const TimeFitOptions& options);
+template <class Data>
+[[nodiscard]] std::optional<FitResult> fit_from_contained(const Data& data, const FitResult& rich,
+                                                          const FitResult& simple, const OptionsOf<Data>& options);
 
 /// A searched fit that is no worse than any preset the structure contains, nor than the structure without one of the
-/// terms of its outermost sum: where one is better, it is where the fit starts anew.  Fits with a robust loss stay as they are.
-[[nodiscard]] FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,
-                                                const FitOptions& options, FitResult fit);
-[[nodiscard]] FitResult no_worse_than_contained(const TimeResponseData& data, const Structure& structure,
-                                                const TimeFitOptions& options, FitResult fit);
+/// terms of its outermost sum: where one is better, it is where the fit starts anew.  Fits with a robust loss stay as
+/// they are.
+template <class Data>
+[[nodiscard]] FitResult no_worse_than_contained(const Data& data, const Structure& structure,
+                                                const OptionsOf<Data>& options, FitResult fit);
 
 }  // namespace frac::detail

@@ -123,23 +123,6 @@ void keep_to_verdict(IdentificationResult& result) {
   if (is_fractional != supported) result.chosen = (supported ? *result.fractional : *result.integer).index;
 }
 
-detail::FamilyMembers grown_member(const FrequencyResponseData& data, const NamedModel& model,
-                                   const FitOptions& options, detail::RatioGrowths& ratios) {
-  return detail::best_member(data, model, options, ratios);
-}
-/// Over time each family grows by itself.
-detail::FamilyMembers grown_member(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
-                                   detail::RatioGrowths&) {
-  return detail::best_member(data, model, options);
-}
-
-bool excludes_dead_time(const FitOptions& options) {
-  return options.assumptions.dead_time == false;
-}
-bool excludes_dead_time(const TimeFitOptions&) {
-  return false;
-}
-
 void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.model = members.models.front();
   outcome.from_family = true;
@@ -150,10 +133,15 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.passive = members.passive;
 }
 
-/// @param ratios  shared by all families of the data
+/// @param ratios  shared by all families of a frequency response
 template <class Data, class Options>
 void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
-  const detail::FamilyMembers members = grown_member(data, outcome.model, options, ratios);
+  const detail::FamilyMembers members = [&] {
+    if constexpr (detail::is_response<Data>)
+      return detail::best_member(data, outcome.model, options, ratios);
+    else
+      return detail::best_member(data, outcome.model, options);
+  }();
   take(members, outcome);
   if (!members.set_aside) return;
   outcome.set_aside = std::make_shared<Outcome>();
@@ -175,7 +163,7 @@ void fit_formula(const Data& data, Options options, double hopeless, Outcome& ou
                          : detail::fit_in_reach(data, structure, options, hopeless, profiled);
   if (outcome.fit->termination == FitTermination::no_usable_start) {
     // What has no finite response to an input whose output is finite.
-    outcome.refuted = std::is_same_v<Data, TimeResponseData>;
+    outcome.refuted = !detail::is_response<Data>;
     outcome.reason = outcome.fit->message;
     outcome.fit.reset();
   } else if (!outcome.model.remark.empty()) {
@@ -193,10 +181,12 @@ template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, double hopeless, detail::RatioGrowths& ratios,
                    Outcome& outcome) {
   try {
-    if (excludes_dead_time(options) && has_dead_time(outcome.model)) {
-      outcome.refuted = true;
-      outcome.reason = "it has a dead time, and the system has none";
-      return;
+    if constexpr (detail::is_response<Data>) {
+      if (options.assumptions.dead_time == false && has_dead_time(outcome.model)) {
+        outcome.refuted = true;
+        outcome.reason = "it has a dead time, and the system has none";
+        return;
+      }
     }
     if (outcome.model.is_family()) resolve(data, options, ratios, outcome);
     fit_formula(data, options, hopeless, outcome);
@@ -333,8 +323,11 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   result.chosen = chosen_of(result.ranking);
   detail::judge(result, data, options, competitors, skipped_rivals);
   keep_to_verdict(result);
-  detail::keep_to_assumptions(result, data, options, competitors);
-  detail::prefer_elements(result, data, options, competitors);
+  // Over time nothing is assumed, and no sums of elements grow.
+  if constexpr (detail::is_response<Data>) {
+    detail::keep_to_assumptions(result, data, options, competitors);
+    detail::prefer_elements(result, data, options, competitors);
+  }
   const RankedFit& chosen = result.ranking.at(result.chosen);
   if (!chosen.model.remark.empty()) result.notes.push_back(chosen.model.remark);
   return result;

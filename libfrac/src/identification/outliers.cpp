@@ -191,15 +191,8 @@ std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std
 }
 
 FrequencyResponseData without_points(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  std::vector<double> omega, sigma;
-  std::vector<std::complex<double>> value;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    if (std::binary_search(points.begin(), points.end(), i)) continue;
-    omega.push_back(data.omega()[i]);
-    value.push_back(data.value()[i]);
-    if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
-  }
-  return {std::move(omega), std::move(value), std::move(sigma), data.frequency_unit()};
+  return detail::chosen_points(data,
+                               [&](std::size_t i) { return !std::binary_search(points.begin(), points.end(), i); });
 }
 
 ScreenedData::ScreenedData(FrequencyResponseData all, const FitOptions& options, bool keep_all)

@@ -12,6 +12,7 @@
 #include "base/polynomial.hpp"
 #include "frac/structure.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/rational/growth.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/time_scout.hpp"
 
@@ -76,14 +77,6 @@ struct Member {
   bool exact = false;
 };
 
-/// Members from the fewest poles on.
-struct Ladder {
-  std::vector<Ratio> ratios;
-  std::size_t chosen = 0;
-
-  [[nodiscard]] const Ratio& best() const { return ratios.at(chosen); }
-};
-
 class Growth {
  public:
   Growth(const TimeResponseData& data, const TimeFitOptions& options, const RationalFamily& family, std::size_t samples)
@@ -100,11 +93,10 @@ class Growth {
     fast_ = static_cast<double>(points(data)) / length;
   }
 
-  Ladder grown() {
-    Ladder ladder;
-    std::optional<Member> least;
-    std::size_t in_vain = 0;
-    for (std::size_t poles = 0; poles <= std::min(family_.most_poles, most_over_time) && in_vain < 2; ++poles) {
+  /// Members from the fewest poles on.
+  GrowthLadder<Member> grown() {
+    GrowthLadder<Member> ladder;
+    for (std::size_t poles = 0; poles <= std::min(family_.most_poles, most_over_time) && ladder.in_vain < 2; ++poles) {
       const std::size_t parameters = 2 * poles + 2;
       if (parameters + 3 >= points(*data_)) break;
       Member next = poles == 0 ? searched(0) : extended();
@@ -115,15 +107,11 @@ class Growth {
       members_.push_back(next);
       if (poles < family_.fewest_poles || !std::isfinite(next.cost)) continue;
       next = family_.zeros ? with_zeros(std::move(next), *family_.zeros) : without_idle_zeros(std::move(next));
-      ladder.ratios.push_back(next.ratio);
-      in_vain = !least || next.value < least->value ? 0 : in_vain + 1;
-      if (in_vain == 0) {
-        ladder.chosen = ladder.ratios.size() - 1;
-        least = std::move(next);
-      }
-      if (least->exact) break;
+      const double value = next.value;
+      ladder.add(std::move(next), value);
+      if (ladder.best().exact) break;
     }
-    if (!least) throw std::invalid_argument("too few samples for any member of this family");
+    if (ladder.fits.empty()) throw std::invalid_argument("too few samples for any member of this family");
     return ladder;
   }
 
@@ -269,16 +257,16 @@ FamilyMembers family_members(const TimeResponseData& data, const NamedModel& mod
   if (family.zeros && *family.zeros > family.most_poles)
     refuse("more zeros than poles, so that it has no finite response to a step");
   Growth growth(data, options, family, enough_samples);
-  Ladder ladder = growth.grown();
+  GrowthLadder<Member> ladder = growth.grown();
   if (points(data) > few_samples) {
-    Ladder other = Growth(data, options, family, few_samples).grown();
-    if (growth.is_better(other.best(), ladder.best())) ladder = std::move(other);
+    GrowthLadder<Member> other = Growth(data, options, family, few_samples).grown();
+    if (growth.is_better(other.best().ratio, ladder.best().ratio)) ladder = std::move(other);
   }
   FamilyMembers members;
-  for (const Ratio& ratio : ladder.ratios) members.models.push_back(written_out(ratio));
+  for (const Member& member : ladder.fits) members.models.push_back(written_out(member.ratio));
   members.chosen = ladder.chosen;
-  members.models[members.chosen].ends_its_family = ladder.best().poles() == most_over_time;
-  members.relaxations = ladder.best().relaxations();
+  members.models[members.chosen].ends_its_family = ladder.best().ratio.poles() == most_over_time;
+  members.relaxations = ladder.best().ratio.relaxations();
   return members;
 }
 

@@ -51,20 +51,18 @@ TimeFitOptions settled(const TimeFitOptions& options, const FitResult& result) {
   return known;
 }
 
-FitOptions started_at(FitOptions options, const FitResult& result) {
-  options.global_start = false;
-  for (const ParameterEstimate& estimate : result.parameters) start_at(options.constraints, estimate);
-  return options;
-}
-
-TimeFitOptions started_at(TimeFitOptions options, const FitResult& result) {
+template <class Options>
+Options started_at(Options options, const FitResult& result) {
+  constexpr bool over_time = std::is_same_v<Options, TimeFitOptions>;
   options.global_start = false;
   for (const ParameterEstimate& estimate : result.parameters) {
-    const bool eliminated = estimate.name == offset_name || estimate.name == drift_name;
+    const bool eliminated = over_time && (estimate.name == offset_name || estimate.name == drift_name);
     if (!eliminated) start_at(options.constraints, estimate);
   }
   return options;
 }
+template FitOptions started_at(FitOptions, const FitResult&);
+template TimeFitOptions started_at(TimeFitOptions, const FitResult&);
 
 std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
                                        const FitResult& result) {
@@ -86,16 +84,21 @@ std::size_t residuals_per_point(const FrequencyResponseData& data, const FitOpti
   return residual_rule(data, options).per_point();
 }
 
-FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
+FrequencyResponseData chosen_points(const FrequencyResponseData& data,
+                                    const std::function<bool(std::size_t)>& is_chosen) {
   std::vector<double> omega, sigma;
   std::vector<std::complex<double>> value;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    if ((i >= first && i < last) != inside) continue;
+    if (!is_chosen(i)) continue;
     omega.push_back(data.omega()[i]);
     value.push_back(data.value()[i]);
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
   }
-  return {omega, value, sigma, data.frequency_unit()};
+  return {std::move(omega), std::move(value), std::move(sigma), data.frequency_unit()};
+}
+
+FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
+  return chosen_points(data, [&](std::size_t i) { return (i >= first && i < last) == inside; });
 }
 
 TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -9,6 +11,13 @@
 
 // What profiles, bootstraps, rankings and cross-validation need to know of data and options, alike for both kinds.
 namespace frac::detail {
+
+/// Whether the data are a frequency response, rather than samples over time.
+template <class Data>
+inline constexpr bool is_response = std::is_same_v<Data, FrequencyResponseData>;
+/// Options of fits to these data.
+template <class Data>
+using OptionsOf = std::conditional_t<is_response<Data>, FitOptions, TimeFitOptions>;
 
 /// Name of the output at rest among the parameters of a fit over time.
 inline constexpr const char* offset_name = "offset";
@@ -23,8 +32,8 @@ inline constexpr const char* drift_name = "drift";
 
 /// The options with a start at the estimates of another fit, moved into the limits, and no search.  What a constraint
 /// or that fit holds stays as the constraint says; an estimate that is not finite gives no start.
-[[nodiscard]] FitOptions started_at(FitOptions options, const FitResult& result);
-[[nodiscard]] TimeFitOptions started_at(TimeFitOptions options, const FitResult& result);
+template <class Options>
+[[nodiscard]] Options started_at(Options options, const FitResult& result);
 
 /// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
 [[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
@@ -43,6 +52,9 @@ inline constexpr const char* drift_name = "drift";
   return data.observed().size();
 }
 
+/// The points whose indices are chosen.
+[[nodiscard]] FrequencyResponseData chosen_points(const FrequencyResponseData& data,
+                                                  const std::function<bool(std::size_t)>& is_chosen);
 /// The points [first, last), or all others.
 [[nodiscard]] FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last,
                                             bool inside);

@@ -267,9 +267,7 @@ RatioGrowths& RatioGrowths::stable() {
 }
 
 RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit) {
-  RationalFit best = fit;
-  double value = schwarz(problem, best);
-  for (int round = 0; round < 30; ++round) {
+  const auto moves_of = [&](const RationalFit& best, int round) {
     std::vector<RationalShape> moves;
     const RationalShape& shape = best.shape;
     if (shape.degree > shape.low) {
@@ -285,20 +283,10 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
       ++moves.back().degree;
     }
     if (const auto integrating = with_integrator(problem, shape)) moves.push_back(*integrating);
-    bool better = false;
-    RationalFit next = best;
-    for (const RationalShape& move : moves) {
-      RationalFit tried = problem.refine(move, scouting);
-      if (!(schwarz(problem, tried) < value)) continue;
-      value = schwarz(problem, tried);
-      next = std::move(tried);
-      better = true;
-    }
-    if (!better) break;
-    best = problem.refine(next.shape, thorough);
-    value = schwarz(problem, best);
-  }
-  return best;
+    return moves;
+  };
+  const auto value_of = [&](const RationalFit& each) { return schwarz(problem, each); };
+  return without_idle(problem, fit, &RationalFit::shape, value_of, moves_of);
 }
 
 namespace {
@@ -316,7 +304,6 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
   RationalLadder ladder;
   std::optional<RationalGrowth> own;
   if (kind.free_order || excess > 0) own.emplace(problem, kind, excess);
-  std::size_t in_vain = 0;
   const bool steep = falls_steeply(problem);
   for (std::size_t order = 0; order <= most_poles; ++order) {
     if (own && order > 0) {
@@ -336,17 +323,9 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
       if (value_of(lean) < value_of(simple)) simple = std::move(lean);
     }
     const double value = value_of(simple);
-    ladder.fits.push_back(std::move(simple));
-    if (value < ladder.value) {
-      ladder.value = value;
-      ladder.chosen = ladder.fits.size() - 1;
-      in_vain = 0;
-    } else {
-      ++in_vain;
-    }
-    const RationalFit& chosen = ladder.fits.at(ladder.chosen);
-    const bool begun = !steep || follows_some(problem, chosen);
-    if (begun && in_vain >= (is_far(problem, chosen) ? 4u : 2u)) break;
+    ladder.add(std::move(simple), value);
+    const bool begun = !steep || follows_some(problem, ladder.best());
+    if (begun && ladder.in_vain >= (is_far(problem, ladder.best()) ? 4u : 2u)) break;
     if (exact(problem, ladder.fits.back())) break;
   }
   return ladder;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "growth.hpp"
 #include "rational_problem.hpp"
 
 namespace frac::detail {
@@ -58,11 +59,7 @@ class RationalGrowth {
 
 /// The best of each order that was tried, simplest first, grown until neither of the last two orders paid by schwarz()
 /// plus price_of_search(), which is a member's value.  Grown anew with one zero more than poles where it ends so.
-struct RationalLadder {
-  std::vector<RationalFit> fits;
-  std::size_t chosen = 0;
-  double value = std::numeric_limits<double>::infinity();  // of the chosen one
-};
+using RationalLadder = GrowthLadder<RationalFit>;
 
 /// Ratios in s of one problem, without and with a dead time, grown once for all families that start from them.  Several
 /// threads may ask.

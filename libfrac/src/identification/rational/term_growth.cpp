@@ -96,11 +96,9 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   refine_best(problem, std::move(starts), 2, refined);
 }
 
-/// Returns the fit without what does not pay for itself: terms, and free orders that may as well be whole.
-TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
-  double value = value_of(problem, best);
-  for (bool better = true; better;) {
-    better = false;
+/// The fit without terms that do not pay for themselves, and with whole orders where these may as well be.
+TermFit without_idle_parts(const TermProblem& problem, TermFit fit) {
+  const auto moves_of = [](const TermFit& best, int) {
     std::vector<TermSum> moves;
     for (std::size_t k = 0; k < best.sum.size(); ++k) {
       TermSum less = best.sum;
@@ -116,20 +114,10 @@ TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
         moves.push_back(std::move(whole));
       }
     }
-    TermFit next = best;
-    for (TermSum& move : moves) {
-      TermFit tried = problem.refine(std::move(move), scouting);
-      if (!(value_of(problem, tried) < value)) continue;
-      value = value_of(problem, tried);
-      next = std::move(tried);
-      better = true;
-    }
-    if (better) {
-      best = problem.refine(std::move(next.sum), thorough);
-      value = value_of(problem, best);
-    }
-  }
-  return best;
+    return moves;
+  };
+  const auto of = [&](const TermFit& each) { return value_of(problem, each); };
+  return without_idle(problem, std::move(fit), &TermFit::sum, of, moves_of);
 }
 
 }  // namespace
@@ -137,9 +125,7 @@ TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
 TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
   TermLadder ladder;
   std::vector<TermSum> sums{{}};
-  double least = infinity;
-  std::size_t in_vain = 0;
-  for (std::size_t count = 1; count <= most_terms && in_vain < 2 && 3 * count + 1 < problem.rows(); ++count) {
+  for (std::size_t count = 1; count <= most_terms && ladder.in_vain < 2 && 3 * count + 1 < problem.rows(); ++count) {
     std::vector<TermFit> refined;
     for (const TermSum& sum : sums) extend(problem, sum, refined);
     std::stable_sort(refined.begin(), refined.end(),
@@ -160,12 +146,7 @@ TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
     if (!best) continue;
     const double value = value_of(problem, *best);
     const bool exact = best->cost <= problem.negligible_cost();
-    ladder.fits.push_back(std::move(*best));
-    in_vain = value < least ? 0 : in_vain + 1;
-    if (value < least) {
-      least = value;
-      ladder.chosen = ladder.fits.size() - 1;
-    }
+    ladder.add(std::move(*best), value);
     if (exact) break;
   }
   return ladder;

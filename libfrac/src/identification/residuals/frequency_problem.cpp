@@ -45,18 +45,7 @@ std::vector<ParameterConstraint> with_limits_of_spacing(const Structure& structu
                                                         std::vector<ParameterConstraint> constraints) {
   const double limit = longest_dead_time(data);
   if (!(limit * data_scale(data).omega_lower < 2 * std::numbers::pi)) return constraints;
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
-    const std::string& name = structure.parameter_names()[i];
-    const auto given = std::find_if(constraints.begin(), constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == name; });
-    if (given == constraints.end()) {
-      constraints.push_back({name, {}, {}, limit, {}});
-    } else if (!given->fixed && !given->upper && !(given->lower > limit)) {
-      given->upper = std::max(limit, 2 * given->start.value_or(0));
-    }
-  }
-  return constraints;
+  return with_longest_delay(structure, std::move(constraints), limit);
 }
 
 }  // namespace

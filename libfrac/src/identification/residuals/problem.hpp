@@ -42,6 +42,11 @@ class Problem {
   Problem(const Structure& model, ByParameters);
 };
 
+/// Constraints with an upper limit for each delay that has none.
+[[nodiscard]] std::vector<ParameterConstraint> with_longest_delay(const Structure& structure,
+                                                                  std::vector<ParameterConstraint> constraints,
+                                                                  double longest);
+
 /// Noise in residuals until they tell: a hundredth of the data.
 inline constexpr double expected_noise = 0.01;
 

@@ -34,22 +34,6 @@ DataScale data_scale(const TimeResponseData& data, std::optional<double> offset)
   return {gain, gain / 30, gain * 30, std::sqrt(slow * fast), slow / margin, fast * margin};
 }
 
-std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
-                                                   std::vector<ParameterConstraint> constraints, double length) {
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
-    const std::string& name = structure.parameter_names()[i];
-    const auto given = std::find_if(constraints.begin(), constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == name; });
-    if (given == constraints.end()) {
-      constraints.push_back({name, {}, {}, length, {}});
-    } else if (!given->fixed && !given->upper) {
-      given->upper = std::max(length, 2 * given->start.value_or(0));
-    }
-  }
-  return constraints;
-}
-
 /// Standard deviation of the weighted output: the unit of the residuals the solvers see.
 double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   double weights = 0, mean = 0;
@@ -78,7 +62,7 @@ std::vector<double> observed_output(const TimeResponseData& data) {
 }
 
 TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted)
-    : Problem(model, with_delay_limits(model, wanted.constraints, length_of(given)), data_scale(given, wanted.offset),
+    : Problem(model, with_longest_delay(model, wanted.constraints, length_of(given)), data_scale(given, wanted.offset),
               false),
       data(given),
       options(wanted),

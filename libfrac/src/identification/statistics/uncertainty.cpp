@@ -233,23 +233,25 @@ ProfileInterval interval_in(detail::Problem& problem, Loss loss, const FitResult
   return {ends.lower, ends.upper, ends.below_minimum};
 }
 
+template <class Problem, class Data, class Options>
+ProfileInterval interval_of(const Data& data, const Options& options, const FitResult& result,
+                            std::string_view parameter) {
+  const ParameterEstimate& estimate = profiled(result, parameter);
+  const Structure structure(result.model);
+  Problem problem(data, structure, detail::settled(options, result));
+  return interval_in(problem, options.loss, result, estimate);
+}
+
 }  // namespace
 
 ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
-  const ParameterEstimate& estimate = profiled(result, parameter);
-  const Structure structure(result.model);
-  const FitOptions known = detail::settled(options, result);
-  detail::FrequencyProblem problem(data, structure, known);
-  return interval_in(problem, options.loss, result, estimate);
+  return interval_of<detail::FrequencyProblem>(data, options, result, parameter);
 }
 
 ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
-  const ParameterEstimate& estimate = profiled(result, parameter);
-  const Structure structure(result.model);
-  detail::TimeProblem problem(data, structure, detail::settled(options, result));
-  return interval_in(problem, options.loss, result, estimate);
+  return interval_of<detail::TimeProblem>(data, options, result, parameter);
 }
 
 BootstrapRefits::BootstrapRefits(const FrequencyResponseData& data, const FitOptions& options,

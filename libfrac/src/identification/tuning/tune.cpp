@@ -11,6 +11,7 @@
 
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "loop_description.hpp"
 #include "search.hpp"
 #include "specification.hpp"
@@ -20,6 +21,17 @@ namespace {
 
 // What the search may leave between mu and its limit.
 constexpr double at_limit = 1e-3;
+
+constexpr detail::Spellings<TuningCriterion, 3> criterion_names = {{
+    {TuningCriterion::sensitivity, "sensitivity"},
+    {TuningCriterion::iae, "iae"},
+    {TuningCriterion::itae, "itae"},
+}};
+constexpr detail::Spellings<ControllerStructure, 3> structure_names = {{
+    {ControllerStructure::pid, "pid"},
+    {ControllerStructure::pi, "pi"},
+    {ControllerStructure::pd, "pd"},
+}};
 
 }  // namespace
 
@@ -38,52 +50,29 @@ FractionalTransferFunction controller_transfer_function(const FractionalPidGains
 }
 
 std::string_view to_string(TuningCriterion criterion) {
-  switch (criterion) {
-    case TuningCriterion::sensitivity:
-      return "sensitivity";
-    case TuningCriterion::iae:
-      return "iae";
-    case TuningCriterion::itae:
-      break;
-  }
-  return "itae";
+  return detail::spelling(criterion_names, criterion);
 }
 
 std::span<const TuningCriterion> tuning_criteria() {
-  static constexpr TuningCriterion all[] = {TuningCriterion::sensitivity, TuningCriterion::iae, TuningCriterion::itae};
+  static constexpr auto all = detail::enumerators(criterion_names);
   return all;
 }
 
 TuningCriterion tuning_criterion_from_string(std::string_view name) {
-  for (const auto criterion : tuning_criteria()) {
-    if (to_string(criterion) == name) return criterion;
-  }
-  throw std::invalid_argument("tuning criterion \"" + std::string(name) + "\": expected one of sensitivity, iae, itae");
+  return detail::from_spelling(criterion_names, "tuning criterion", name);
 }
 
 std::string_view to_string(ControllerStructure structure) {
-  switch (structure) {
-    case ControllerStructure::pid:
-      return "pid";
-    case ControllerStructure::pi:
-      return "pi";
-    case ControllerStructure::pd:
-      break;
-  }
-  return "pd";
+  return detail::spelling(structure_names, structure);
 }
 
 std::span<const ControllerStructure> controller_structures() {
-  static constexpr ControllerStructure all[] = {ControllerStructure::pid, ControllerStructure::pi,
-                                                ControllerStructure::pd};
+  static constexpr auto all = detail::enumerators(structure_names);
   return all;
 }
 
 ControllerStructure controller_structure_from_string(std::string_view name) {
-  for (const auto structure : controller_structures()) {
-    if (to_string(structure) == name) return structure;
-  }
-  throw std::invalid_argument("controller structure \"" + std::string(name) + "\": expected one of pid, pi, pd");
+  return detail::from_spelling(structure_names, "controller structure", name);
 }
 
 std::string_view to_string(TuningStatus status) {

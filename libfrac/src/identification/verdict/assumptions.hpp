@@ -18,12 +18,5 @@ void keep_to_assumptions(IdentificationResult& result, const FrequencyResponseDa
 /// and notes what was done.
 void prefer_elements(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
                      const std::vector<Competitor>& competitors);
-/// Over time no such sums are grown.
-inline void prefer_elements(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
-                            const std::vector<Competitor>&) {}
-
-/// Over time nothing is assumed.
-inline void keep_to_assumptions(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
-                                const std::vector<Competitor>&) {}
 
 }  // namespace frac::detail

@@ -8,15 +8,11 @@
 namespace frac::detail {
 
 /// The best sum of lags whose times are spread about few centres, with a constant, s and 1/s where they pay; see
-/// DistributionRival.  None of one number a point (magnitude, phase), and over time.
+/// DistributionRival.  None of one number a point (magnitude, phase).
 /// @param data, options  those of the fractional finalist
 /// @param share          of the points that carry news
 [[nodiscard]] std::optional<DistributionRival> distribution_rival(const FrequencyResponseData& data,
                                                                   const FitOptions& options,
                                                                   const Competitor& fractional, double share);
-[[nodiscard]] inline std::optional<DistributionRival> distribution_rival(const TimeResponseData&, const TimeFitOptions&,
-                                                                         const Competitor&, double) {
-  return std::nullopt;
-}
 
 }  // namespace frac::detail

@@ -42,9 +42,6 @@ bool same_beyond(const FrequencyResponseData& data, const FitOptions& options, c
   }
   return true;
 }
-bool same_beyond(const TimeResponseData&, const TimeFitOptions&, const FitResult&, const FitResult&) {
-  return true;
-}
 
 double unit_of(const FrequencyResponseData& data, const FitOptions& options) {
   return residual_rule(data, options).unit;
@@ -57,8 +54,10 @@ double unit_of(const TimeResponseData& data, const TimeFitOptions&) {
   return most;
 }
 
-template <class Data, class Options>
-void merge(std::vector<Competitor>& competitors, const Data& data, const Options& options) {
+}  // namespace
+
+template <class Data>
+void merge_equivalent(std::vector<Competitor>& competitors, const Data& data, const OptionsOf<Data>& options) {
   const double unit = unit_of(data, options);
   // A preset says more than the member of a family.
   std::stable_sort(competitors.begin(), competitors.end(), [](const Competitor& a, const Competitor& b) {
@@ -67,10 +66,13 @@ void merge(std::vector<Competitor>& competitors, const Data& data, const Options
   std::vector<Competitor> kept;
   for (Competitor& each : competitors) {
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const Competitor& other) {
-      return each.ranked.model_class != ModelClass::fixed_curve &&
-             other.ranked.model_class == each.ranked.model_class &&
-             other.ranked.fit.free_parameters == each.ranked.fit.free_parameters && same_residuals(other, each, unit) &&
-             same_beyond(data, options, other.ranked.fit, each.ranked.fit);
+      const bool alike =
+          each.ranked.model_class != ModelClass::fixed_curve && other.ranked.model_class == each.ranked.model_class &&
+          other.ranked.fit.free_parameters == each.ranked.fit.free_parameters && same_residuals(other, each, unit);
+      if constexpr (is_response<Data>)
+        return alike && same_beyond(data, options, other.ranked.fit, each.ranked.fit);
+      else
+        return alike;
     });
     if (same == kept.end()) {
       kept.push_back(std::move(each));
@@ -83,16 +85,7 @@ void merge(std::vector<Competitor>& competitors, const Data& data, const Options
   competitors = std::move(kept);
 }
 
-}  // namespace
-
-void merge_equivalent(std::vector<Competitor>& competitors, const FrequencyResponseData& data,
-                      const FitOptions& options) {
-  merge(competitors, data, options);
-}
-
-void merge_equivalent(std::vector<Competitor>& competitors, const TimeResponseData& data,
-                      const TimeFitOptions& options) {
-  merge(competitors, data, options);
-}
+template void merge_equivalent(std::vector<Competitor>&, const FrequencyResponseData&, const FitOptions&);
+template void merge_equivalent(std::vector<Competitor>&, const TimeResponseData&, const TimeFitOptions&);
 
 }  // namespace frac::detail

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "identification/data/fit_data.hpp"
 #include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
@@ -11,9 +12,7 @@ namespace frac::detail {
 /// member of a family, and puts the names of the others into its RankedFit::also.  A preset goes before the member of a
 /// family.
 /// @param competitors  in the order of the candidates
-void merge_equivalent(std::vector<Competitor>& competitors, const FrequencyResponseData& data,
-                      const FitOptions& options);
-void merge_equivalent(std::vector<Competitor>& competitors, const TimeResponseData& data,
-                      const TimeFitOptions& options);
+template <class Data>
+void merge_equivalent(std::vector<Competitor>& competitors, const Data& data, const OptionsOf<Data>& options);
 
 }  // namespace frac::detail

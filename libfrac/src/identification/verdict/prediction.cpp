@@ -27,36 +27,6 @@ std::optional<Options> refit_options(Options options, const Competitor& competit
   return started_at(std::move(options), competitor.ranked.fit);
 }
 
-template <class Data, class Options>
-double rms_of_predictions(const Data& data, const Options& options, const Competitor& competitor,
-                          const std::vector<Block>& blocks) {
-  if (blocks.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const std::size_t per_point = residuals_per_point(data, options);
-  double square = 0, count = 0;
-  const auto add = [&](const std::vector<double>& residual, const Block& block) {
-    for (std::size_t i = block.first * per_point; i < block.second * per_point; ++i)
-      square += residual[i] * residual[i];
-    count += static_cast<double>((block.second - block.first) * per_point);
-  };
-  if (competitor.ranked.model_class == ModelClass::fixed_curve) {
-    for (const Block& block : blocks) add(competitor.residual, block);
-    return std::sqrt(square / count);
-  }
-  const Structure structure(competitor.ranked.fit.model);
-  const auto started = refit_options(options, competitor);
-  if (!started) return infinity;
-  for (const Block& block : blocks) {
-    try {
-      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *started);
-      if (fit.termination == FitTermination::no_usable_start) return infinity;
-      add(weighted_residuals(data, options, fit), block);
-    } catch (const std::invalid_argument&) {
-      return infinity;
-    }
-  }
-  return std::isfinite(square) ? std::sqrt(square / count) : infinity;
-}
-
 std::vector<Block> even_blocks(std::size_t points, std::size_t count) {
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < count; ++i) blocks.emplace_back(i * points / count, (i + 1) * points / count);
@@ -86,14 +56,39 @@ std::vector<Block> end_blocks(const FrequencyResponseData& data) {
   return {{0, lower}, {omega.size() - upper, omega.size()}};
 }
 
-double prediction_rms(const FrequencyResponseData& data, const FitOptions& options, const Competitor& competitor,
+template <class Data>
+double prediction_rms(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor,
                       const std::vector<Block>& blocks) {
-  return rms_of_predictions(data, options, competitor, blocks);
+  if (blocks.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t per_point = residuals_per_point(data, options);
+  double square = 0, count = 0;
+  const auto add = [&](const std::vector<double>& residual, const Block& block) {
+    for (std::size_t i = block.first * per_point; i < block.second * per_point; ++i)
+      square += residual[i] * residual[i];
+    count += static_cast<double>((block.second - block.first) * per_point);
+  };
+  if (competitor.ranked.model_class == ModelClass::fixed_curve) {
+    for (const Block& block : blocks) add(competitor.residual, block);
+    return std::sqrt(square / count);
+  }
+  const Structure structure(competitor.ranked.fit.model);
+  const auto started = refit_options(options, competitor);
+  if (!started) return infinity;
+  for (const Block& block : blocks) {
+    try {
+      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *started);
+      if (fit.termination == FitTermination::no_usable_start) return infinity;
+      add(weighted_residuals(data, options, fit), block);
+    } catch (const std::invalid_argument&) {
+      return infinity;
+    }
+  }
+  return std::isfinite(square) ? std::sqrt(square / count) : infinity;
 }
 
-double prediction_rms(const TimeResponseData& data, const TimeFitOptions& options, const Competitor& competitor,
-                      const std::vector<Block>& blocks) {
-  return rms_of_predictions(data, options, competitor, blocks);
-}
+template double prediction_rms(const FrequencyResponseData&, const FitOptions&, const Competitor&,
+                               const std::vector<Block>&);
+template double prediction_rms(const TimeResponseData&, const TimeFitOptions&, const Competitor&,
+                               const std::vector<Block>&);
 
 }  // namespace frac::detail

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "identification/data/fit_data.hpp"
 #include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
@@ -15,17 +16,13 @@ using Block = std::pair<std::size_t, std::size_t>;
 /// Blocks of neighbouring points, each point in one: of half a decade, but five to ten of them; five over time.
 [[nodiscard]] std::vector<Block> blocks_of(const FrequencyResponseData& data);
 [[nodiscard]] std::vector<Block> blocks_of(const TimeResponseData& data);
-/// The points within half a decade of either end; none where that takes more than a third of them, and over time.
+/// The points within half a decade of either end; none where that takes more than a third of them.
 [[nodiscard]] std::vector<Block> end_blocks(const FrequencyResponseData& data);
-[[nodiscard]] inline std::vector<Block> end_blocks(const TimeResponseData&) {
-  return {};
-}
 
 /// rms of the weighted residuals with which fits to the rest predict each block, started from the fit to all; infinity
 /// where one of them fails, NaN without a block.
-[[nodiscard]] double prediction_rms(const FrequencyResponseData& data, const FitOptions& options,
-                                    const Competitor& competitor, const std::vector<Block>& blocks);
-[[nodiscard]] double prediction_rms(const TimeResponseData& data, const TimeFitOptions& options,
-                                    const Competitor& competitor, const std::vector<Block>& blocks);
+template <class Data>
+[[nodiscard]] double prediction_rms(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor,
+                                    const std::vector<Block>& blocks);
 
 }  // namespace frac::detail

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
@@ -24,7 +23,8 @@ constexpr double most_model_error = 0.05;  // of the data
 
 /// Where within a decade outside the data two fits differ most.
 void differ_most(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
-                 const FitResult& fractional, const FitResult& integer) {
+                 const Comparison& pair) {
+  if (!pair.fractional.is_fractional() || pair.integer.ranked.model_class != ModelClass::integer_order) return;
   std::vector<double> omega;
   constexpr int steps = 20;
   for (int i = 1; i <= steps; ++i) {
@@ -33,8 +33,8 @@ void differ_most(IdentificationResult& result, const FrequencyResponseData& data
     omega.push_back(data.omega().back() * factor);
   }
   if (!std::holds_alternative<ExactRealisation>(options.realisation)) return;
-  const auto a = fitted_response(fractional, options.realisation, omega);
-  const auto b = fitted_response(integer, options.realisation, omega);
+  const auto a = fitted_response(pair.fractional.ranked.fit, options.realisation, omega);
+  const auto b = fitted_response(pair.integer.ranked.fit, options.realisation, omega);
   double most = -1;
   for (std::size_t i = 0; i < omega.size(); ++i) {
     const double difference = std::abs(a[i] / b[i] - 1.0);
@@ -44,8 +44,6 @@ void differ_most(IdentificationResult& result, const FrequencyResponseData& data
     result.differ_most_omega = omega[i];
   }
 }
-void differ_most(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const FitResult&,
-                 const FitResult&) {}
 
 AxisUnit axis_unit(const FrequencyResponseData& data) {
   return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
@@ -70,9 +68,6 @@ bool coarsely_rounded(const FrequencyResponseData& data, const FitOptions& optio
   }
   return static_cast<double>(repeats) > most_repeats * static_cast<double>(pairs);
 }
-bool coarsely_rounded(const TimeResponseData&, const TimeFitOptions&) {
-  return false;
-}
 
 bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
   return fit.rms <= most_model_error * residual_rule(data, options).unit;
@@ -88,14 +83,11 @@ bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, con
 }
 
 /// What would let the skipped rivals take part.
-std::string advice_on_skipped(const FrequencyResponseData&, const FitOptions& options) {
+std::string advice_on_skipped(const FitOptions& options) {
   const bool one_number = options.component == Component::magnitude || options.component == Component::phase;
   return one_number ? ": families of ratios are fitted to the real and the imaginary part, not to a magnitude or a "
                       "phase; fit both parts (component both) to have them compared"
                     : "";
-}
-std::string advice_on_skipped(const TimeResponseData&, const TimeFitOptions&) {
-  return "";
 }
 
 void suggest_next(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
@@ -109,7 +101,6 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
   if (result.next) result.notes.push_back(advice(*result.next, noise, axis_unit(data)));
 }
-void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
 void call_inadequate(IdentificationResult& result, const AxisUnit& unit) {
   result.verdict = Verdict::no_adequate_model;
@@ -125,8 +116,8 @@ bool only_integer_grew(const std::vector<Competitor>& competitors, const Competi
   return integer.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), grew);
 }
 
-template <class Data, class Options>
-Comparison comparison_of(const Data& data, const Options& options, const std::vector<Competitor>& competitors,
+template <class Data>
+Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const std::vector<Competitor>& competitors,
                          const Finalists& finalists, bool model_error) {
   const Competitor &f = competitors[*finalists.fractional], &i = competitors[*finalists.integer];
   const Competitor& better = criterion(f) < criterion(i) ? f : i;
@@ -135,6 +126,8 @@ Comparison comparison_of(const Data& data, const Options& options, const std::ve
   const auto comes_close = [&](const Competitor& each) {
     return model_error && within_model_error(data, options, each.ranked.fit);
   };
+  bool rounded = false;
+  if constexpr (is_response<Data>) rounded = coarsely_rounded(data, options);
   return {.fractional = f,
           .integer = i,
           .fractional_follows = finalists.fractional_follows || comes_close(f),
@@ -143,24 +136,24 @@ Comparison comparison_of(const Data& data, const Options& options, const std::ve
           .orders = orders_of(f.ranked.fit, share),
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
-          .rounded = coarsely_rounded(data, options),
-          .over_time = std::is_same_v<Data, TimeResponseData>};
+          .rounded = rounded,
+          .over_time = !is_response<Data>};
 }
 
-template <class Data, class Options>
-void predict(const Data& data, const Options& options, const Competitor& competitor, Finalist& finalist) {
+template <class Data>
+void predict(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor, Finalist& finalist) {
   finalist.prediction_rms = prediction_rms(data, options, competitor, blocks_of(data));
-  finalist.extrapolation_rms = prediction_rms(data, options, competitor, end_blocks(data));
+  if constexpr (is_response<Data>) {
+    finalist.extrapolation_rms = prediction_rms(data, options, competitor, end_blocks(data));
+  }
 }
 
-template <class Data, class Options>
-void compare(IdentificationResult& result, const Data& data, const Options& options, const Comparison& pair,
+template <class Data>
+void compare(IdentificationResult& result, const Data& data, const OptionsOf<Data>& options, const Comparison& pair,
              const std::vector<std::string>& skipped_rivals) {
   result.evidence = evidence_for(pair.fractional, pair.integer, pair.share);
   result.departure_evidence = pair.departure.evidence;
-  if (pair.fractional.is_fractional() && pair.integer.ranked.model_class == ModelClass::integer_order) {
-    differ_most(result, data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit);
-  }
+  if constexpr (is_response<Data>) differ_most(result, data, options, pair);
   predict(data, options, pair.fractional, *result.fractional);
   predict(data, options, pair.integer, *result.integer);
 
@@ -174,16 +167,22 @@ void compare(IdentificationResult& result, const Data& data, const Options& opti
   result.log10_odds = log10_odds(departing ? result.departure_evidence : result.evidence, decided.verdict);
   const bool undecided = decided.verdict == Verdict::undecided;
   if (result.model_error && undecided) return call_inadequate(result, axis_unit(data));
-  if (undecided && !skipped_rivals.empty()) decided.reason += advice_on_skipped(data, options);
+  if constexpr (is_response<Data>) {
+    if (undecided && !skipped_rivals.empty()) decided.reason += advice_on_skipped(options);
+  }
   result.verdict = decided.verdict;
   result.verdict_sentence = verdict_sentence(result, pair, decided);
   result.notes = verdict_notes(result, pair, decided, axis_unit(data));
-  if (undecided) suggest_next(result, data, options, pair);
+  if constexpr (is_response<Data>) {
+    if (undecided) suggest_next(result, data, options, pair);
+  }
 }
 
-template <class Data, class Options>
-void judge_any(IdentificationResult& result, const Data& data, const Options& options,
-               const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+}  // namespace
+
+template <class Data>
+void judge(IdentificationResult& result, const Data& data, const OptionsOf<Data>& options,
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.verdict = Verdict::undecided;
   result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
   if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
@@ -211,16 +210,9 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   compare(result, data, options, pair, skipped_rivals);
 }
 
-}  // namespace
-
-void judge(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
-           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
-  judge_any(result, data, options, competitors, skipped_rivals);
-}
-
-void judge(IdentificationResult& result, const TimeResponseData& data, const TimeFitOptions& options,
-           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
-  judge_any(result, data, options, competitors, skipped_rivals);
-}
+template void judge(IdentificationResult&, const FrequencyResponseData&, const FitOptions&,
+                    const std::vector<Competitor>&, const std::vector<std::string>&);
+template void judge(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&,
+                    const std::vector<Competitor>&, const std::vector<std::string>&);
 
 }  // namespace frac::detail
