@@ -54,13 +54,13 @@ class JumpLaw : public Command {
   }
 
  private:
-  /// @param losses  restitutions or contacts
-  template <class Losses>
-  backlash::JumpLaw over_grid(const Losses& losses) const {
+  /// @param fit  makes a law of restitutions or of contacts
+  template <class Fit, class Losses>
+  backlash::JumpLaw over_grid(const Fit& fit, const Losses& losses) const {
     require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"losses", losses.size()}});
     frac::Progress progress;
     const io::ProgressBar bar("jump-law", progress, progress_style());
-    return backlash::fit_jump_law(mass1_, mass2_, force_, clearance_, losses, criterion_, threads(), &progress);
+    return fit(mass1_, mass2_, force_, clearance_, losses, criterion_, threads(), &progress);
   }
 
   // Constants that depend on restitution alone are those of any scene; their command line names none.
@@ -101,7 +101,8 @@ class JumpLaw : public Command {
       run.contact_columns = contact_.columns();
       run.contacts = contact_.values();
     }
-    const auto law = takes_time ? over_grid(contact_.contacts(mass1_, mass2_)) : over_grid(restitution_);
+    const auto law = takes_time ? over_grid(backlash::fit_compliant_jump_law, contact_.contacts(mass1_, mass2_))
+                                : over_grid(backlash::fit_jump_law, restitution_);
     if (law.message.empty() || format() != "table")
       write(format() == "json"  ? jump_law_json(run, law)
             : format() == "csv" ? jump_law_csv(run, law)

@@ -158,8 +158,9 @@ void compare(IdentificationResult& result, const Data& data, const OptionsOf<Dat
   predict(data, options, pair.integer, *result.integer);
 
   Ruling decided = ruling(result, pair, skipped_rivals);
-  if (decided.verdict == Verdict::fractional_supported) {
-    result.distribution = distribution_rival(data, options, pair.fractional, pair.share);
+  if constexpr (is_response<Data>) {
+    if (decided.verdict == Verdict::fractional_supported)
+      result.distribution = distribution_rival(data, options, pair.fractional, pair.share);
     if (result.distribution && !decides(result.distribution->evidence))
       decided.verdict = Verdict::fractional_or_distribution;
   }
