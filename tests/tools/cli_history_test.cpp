@@ -157,8 +157,8 @@ TEST(Loop, WritesTheRecordOfARig) {
   }
   // The mean of 400 squares scatters by sqrt(2/400), 7 %.
   EXPECT_NEAR(std::sqrt(squares / 400), 0.01, 0.0015);
-  const auto instant = run_fracfit(
-      {"loop", "--controller", "2 + s", "--restitution", "0.6", "--velocity2", "1", "--duration", "1e-9", "--record"});
+  const auto instant = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--velocity2", "1",
+                                    "--every", "0.1", "--duration", "1e-9", "--record"});
   EXPECT_EQ(instant.code, 2);
   EXPECT_NE(instant.error.find("--duration 1e-9: shorter than"), std::string::npos) << instant.error;
   const auto refused = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--sensor-noise", "1"});
