@@ -26,8 +26,9 @@ struct SceneIdentificationOptions {
   /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
   /// the data; absolute: equal noise.
   frac::Weight weight = frac::Weight::relative;
-  /// With the weight given: sigma are the deviations themselves, as a measurement tells them, and not only their ratios.
-  /// The variance of the residuals then counts as 1 at least: a few points that lie close by accident narrow nothing.
+  /// With the weight given: sigma are the deviations themselves, as a measurement tells them, and not only their
+  /// ratios. The variance of the residuals then counts as 1 at least: a few points that lie close by accident narrow
+  /// nothing.
   bool sigma_is_measured = false;
   /// On mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
   /// masses and clearance, [0, 1] for restitution.
