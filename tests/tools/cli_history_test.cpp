@@ -128,6 +128,8 @@ TEST(History, SaysWhatIsWrongWithARecord) {
   refused({"--omega", "2", "--sample-time", "0.1", "--clip", "0"}, "--clip 0: allowed is a finite number above 0");
   refused({"--omega", "2", "--sample-time", "0.1", "--clock-jitter", "0.05"}, "--clock-jitter is 0.05");
   refused({"--omega", "2", "--sample-time", "1e-9"}, "expected 1 to 1e7");
+  refused({"--omega", "2,3", "--sample-time", "0.1", "--periods", "1e6"}, "--periods");
+  refused({"--omega", "2", "--sample-time", "0.1", "--sensor-delay", "1e9"}, "0 samples after delay");
 }
 
 // The samples of a record of a loop are among the rows of that loop, and its sensors err as those of history do.
@@ -155,6 +157,10 @@ TEST(Loop, WritesTheRecordOfARig) {
   }
   // The mean of 400 squares scatters by sqrt(2/400), 7 %.
   EXPECT_NEAR(std::sqrt(squares / 400), 0.01, 0.0015);
+  const auto instant = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--velocity2", "1",
+                                    "--every", "0.1", "--duration", "1e-9", "--record"});
+  EXPECT_EQ(instant.code, 2);
+  EXPECT_NE(instant.error.find("--duration 1e-9: shorter than"), std::string::npos) << instant.error;
   const auto refused = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--sensor-noise", "1"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.error.find("--record"), std::string::npos) << refused.error;

@@ -43,6 +43,10 @@ RigMotion rig_motion(const TwoMassSystem& system, double force_amplitude, const 
 
 RigRecord rig_record(const RigMotion& motion, const RigSensors& sensors) {
   detail::require_positive("sample_time", "s", sensors.sample_time);
+  for (const frac::SignalPath* path : {&motion.force, &motion.x1, &motion.x2})
+    if (path->time.size() < 2)
+      throw std::invalid_argument("motion has a signal of " + std::to_string(path->time.size()) +
+                                  " entries; expected at least 2 in each");
   // Seven deviations: an instant outside has a chance of 10^-12.
   const double margin = 7 * sensors.clock_jitter;
   const double late = std::max(sensors.position.delay, sensors.force.delay);
@@ -54,7 +58,8 @@ RigRecord rig_record(const RigMotion& motion, const RigSensors& sensors) {
   if (!(steps >= 0 && steps < most))
     throw std::invalid_argument("sample_time is " + detail::text(sensors.sample_time) + " s, of which a motion of " +
                                 detail::text(motion.force.time.back()) + " s has " +
-                                detail::text(std::max(steps + 1, 0.0)) + " samples; expected 1 to 1e7");
+                                detail::text(std::max(steps + 1, 0.0)) +
+                                " samples after delay and jitter; expected 1 to 1e7");
   RigRecord record;
   const auto count = static_cast<std::size_t>(steps) + 1;
   const auto instants = frac::sampling_instants(first, sensors.sample_time, count, sensors.clock_jitter, sensors.seed);

@@ -68,6 +68,9 @@ class History : public Command {
                                   std::to_string(omegas_.size()) +
                                   " frequencies; expected one, or --sample-time for a record of a stepped sine");
     record_.check(options());
+    if (!std::isnan(sample_time_))
+      require_table_size({{"--omega", omegas_.size()}, {"--periods", static_cast<std::size_t>(periods_)}},
+                         largest_table / backlash::rig_steps);
     omega_ = omegas_.front();
   }
 

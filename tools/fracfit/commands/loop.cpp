@@ -92,6 +92,9 @@ class LoopCommand : public Command {
     if (is_record_ && !(options_of_run_.sample_time > 0))
       throw std::invalid_argument("--every " + options()["--every"].text() +
                                   ": a record needs the time between its samples, above 0");
+    if (is_record_ && options_of_run_.duration < options_of_run_.sample_time)
+      throw std::invalid_argument("--duration " + options()["--duration"].text() + ": shorter than --every " +
+                                  options()["--every"].text() + ", the time between samples of the record");
   }
 
   /// The force runs straight between rows.
@@ -100,7 +103,10 @@ class LoopCommand : public Command {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       motion.x1.add(rows[i].time, rows[i].x1, rows[i].v1);
       motion.x2.add(rows[i].time, rows[i].x2, rows[i].v2);
-      if (i == 0) continue;
+      if (i == 0) {
+        motion.force.add(rows[i].time, rows[i].force, 0);
+        continue;
+      }
       const double length = rows[i].time - rows[i - 1].time;
       const double rate = length > 0 ? (rows[i].force - rows[i - 1].force) / length : 0;
       motion.force.add(rows[i - 1].time, rows[i - 1].force, rate);
