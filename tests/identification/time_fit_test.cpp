@@ -545,6 +545,15 @@ TEST(TimeFit, RefusesOutputsWhoseSquaresAreNoNumbers) {
   }
 }
 
+// A dead time of at least the whole record would leave no output that the input reaches.
+TEST(TimeFit, RefusesDeadTimesBeyondTheRecord) {
+  const TimeResponseData data({0, 1, 2, 3, 4, 5}, {1, 1, 1, 1, 1, 1}, {0, 0, 0.4, 0.6, 0.8, 0.9});
+  frac::TimeFitOptions options;
+  options.constraints.push_back({"L", {}, 7, {}, {}});
+  expect_invalid_argument([&] { (void)frac::fit(data, frac::Structure("K exp(-L s)/(T s + 1)"), options); },
+                          {"'L'", "lower limit 7 s", "record of 5 s"});
+}
+
 TEST(TimeResponseData, RefusesWhatIsNoRecord) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> t{0, 1, 2}, u{1, 1, 1}, y{0, 1, 2};

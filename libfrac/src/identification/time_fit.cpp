@@ -60,6 +60,13 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
                                   "rename it in the formula");
     }
   }
+  for (const ParameterConstraint& known : options.constraints) {
+    if (known.fixed || known.upper || !(known.lower > length_of(data))) continue;
+    if (structure.parameter_roles()[structure.parameter_index(known.name)] != ParameterRole::delay) continue;
+    throw std::invalid_argument("parameter '" + known.name + "': lower limit " + detail::number_text(*known.lower) +
+                                " s of a dead time; allowed is less than the record of " +
+                                detail::number_text(length_of(data)) + " s");
+  }
   if (options.offset && !std::isfinite(*options.offset)) {
     throw std::invalid_argument("offset = " + std::to_string(*options.offset) + "; allowed is a finite number");
   }
