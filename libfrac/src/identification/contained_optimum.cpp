@@ -251,6 +251,8 @@ FitResult no_worse_than(const Data& data, const FitResult& optimum, double clear
 template <class Data, class Options>
 FitResult no_worse(const Data& data, const Structure& structure, const Options& options, FitResult fit) {
   if (options.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
+  // Residuals that are rounding cannot be beaten.
+  if (fit.relative_rms <= rounding) return fit;
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
   const auto compare = [&](const Structure& contained, const Options& of_contained, double clearly, auto optimum_of) {
     try {
@@ -266,8 +268,6 @@ FitResult no_worse(const Data& data, const Structure& structure, const Options& 
     const Structure contained(preset->formula);
     compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
   }
-  // Residuals that are rounding cannot be beaten.
-  if (fit.relative_rms <= rounding) return fit;
   for (const Structure& contained : without_a_term(structure)) {
     Options of_contained = options;
     of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
