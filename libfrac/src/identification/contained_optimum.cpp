@@ -287,6 +287,8 @@ template <class Data>
 FitResult no_worse_than_contained(const Data& data, const Structure& structure, const OptionsOf<Data>& asked,
                                   FitResult fit) {
   if (asked.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
+  // Residuals that are rounding cannot be beaten.
+  if (fit.relative_rms <= rounding) return fit;
   OptionsOf<Data> options = asked;
   // All structures compared have the same weights.
   if constexpr (is_response<Data>) options = settled(asked, fit);
@@ -308,8 +310,6 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
     const Structure contained(preset->formula);
     compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
   }
-  // Residuals that are rounding cannot be beaten.
-  if (fit.relative_rms <= rounding) return fit;
   for (const Structure& contained : without_a_term(structure)) {
     OptionsOf<Data> of_contained = options;
     of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
