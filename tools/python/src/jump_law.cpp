@@ -42,7 +42,7 @@ py::dict contact_law(double mass1, double mass2, const Reals& force, const Reals
   for (py::ssize_t i = 0; i < stiffness.size(); ++i) contacts.emplace_back(stiffness.data()[i], damping.data()[i]);
   const auto found = result_of(
       [&](frac::Progress& progress) {
-        return backlash::fit_jump_law(mass1, mass2, forces, clearances, contacts, chosen, threads, &progress);
+        return backlash::fit_contact_jump_law(mass1, mass2, forces, clearances, contacts, chosen, threads, &progress);
       },
       report);
   return dict_of_law(found);
