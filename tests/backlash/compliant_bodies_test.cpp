@@ -263,6 +263,56 @@ TEST(CompliantBodies, OfTheSameGroupsHaveTheSameDescribingFunction) {
   }
 }
 
+// Momentum: M1 X1 + M2 X2 = -(F - R1 - R2)/omega^2, R the fundamental of the dry friction, which is +-Fc between the
+// reversals that the motion tells.  The force's work -pi F Im X2 then is what N of body 1 shows of all losses.
+TEST(CompliantBodies, ShowInNWhatContactsAndFrictionTake) {
+  for (const auto& [friction1, friction2] : {std::pair{2.0, 0.0}, {0.0, 2.0}, {4.0, 1.0}}) {
+    Machine m;
+    m.stiffness = 2e4;
+    m.damping = 50;
+    m.coulomb1 = friction1;
+    m.coulomb2 = friction2;
+    SweepOptions options;
+    options.protocol = Protocol::two_impact;
+    const auto phasor = [&](backlash::Output output) {
+      options.output = output;
+      const auto point = backlash::bodies_describing_function(m.bodies(), m.force, {m.omega}, options).points.front();
+      EXPECT_EQ(point.period, 1);
+      EXPECT_GT(point.impacts_per_period, 0);
+      return point.value * m.force;
+    };
+    const std::complex<double> x1 = phasor(backlash::Output::x1), x2 = phasor(backlash::Output::x2);
+    const backlash::LoopStart fast{0, 0, 0, m.clearance * m.omega};
+    const History history = backlash::compliant_history(m.bodies(), m.force, m.omega, fast, 2500, 1, 1);
+    const auto resisted = [&](double friction, bool is_first) {
+      const auto turned = [&](double time) { return std::polar(1.0, -m.omega * time); };
+      double from = 0, sign = (is_first ? history.rows.front().v1 : history.rows.front().v2) > 0 ? 1 : -1;
+      std::complex<double> sum = 0;
+      for (const auto& row : history.rows) {
+        EXPECT_NE(row.event, backlash::CompliantEvent::stick1);
+        EXPECT_NE(row.event, backlash::CompliantEvent::stick2);
+        if (row.event != (is_first ? backlash::CompliantEvent::reversal1 : backlash::CompliantEvent::reversal2))
+          continue;
+        sum += sign * (turned(row.time) - turned(from));
+        from = row.time;
+        sign = -sign;
+      }
+      sum += sign * (1.0 - turned(from));
+      // 2/T times the integral of e^{-j omega t}.
+      return friction * sum / std::complex<double>(0, -std::numbers::pi);
+    };
+    const std::complex<double> friction = resisted(friction1, true) + resisted(friction2, false);
+    const double square = m.omega * m.omega;
+    // Times of events are known to rounding, as orbits are.
+    EXPECT_LT(std::abs(m.mass1 * x1 + m.mass2 * x2 + (m.force - friction) / square), 1e-11 * m.force / square);
+    const double work = -std::numbers::pi * m.force * x2.imag();
+    const double loss =
+        (m.mass2 * work / std::numbers::pi + m.force * friction.imag() / square) / (m.mass1 * std::norm(x1));
+    const double found = (-m.force / x1).imag();
+    EXPECT_NEAR(loss, found, 1e-11 * std::abs(m.force / x1));
+  }
+}
+
 // Little dry friction moves N in first order.
 TEST(CompliantBodies, LoseDryFrictionInFirstOrder) {
   Machine m;

@@ -137,6 +137,13 @@ def test_jump_law():
     same([each["omega_jump"] for each in ours.points], [each["omega_jump"] for each in theirs["points"]])
     same(ours.a_of_clearance["coefficient"], theirs["a_of_clearance"]["coefficient"])
     same(ours.mean_similarity_constant, np.mean([each["similarity_constant"] for each in ours.constants]))
+    # Of contacts that take time.
+    del options["restitution"]
+    contact = ("--contact-stiffness", "1e4,1e5", "--contact-damping", "80")
+    theirs = command_line.json_of("jump-law", *contact, *(f"--{name}={','.join(map(str, value))}" for name, value in options.items()))
+    ours = fracfit.jump_law(contact_stiffness=[1e4, 1e5], contact_damping=80, **options)
+    same([each["omega_jump"] for each in ours.points], [each["omega_jump"] for each in theirs["points"]])
+    same(ours.b_of_clearance["exponent"], theirs["b_of_clearance"]["exponent"])
 
 
 @pytest.mark.bits

@@ -173,9 +173,9 @@ JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
   return result;
 }
 
-JumpGrid compliant_jump_grid(double mass1, double mass2, const std::vector<double>& force,
-                             const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
-                             JumpCriterion criterion, int threads, frac::Progress* progress) {
+JumpGrid contact_jump_grid(double mass1, double mass2, const std::vector<double>& force,
+                           const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
+                           JumpCriterion criterion, int threads, frac::Progress* progress) {
   if (contact.empty()) throw std::invalid_argument("contact is empty; at least 1 contact is needed");
   std::vector<FreeContact> free;
   std::vector<double> restitution;
@@ -263,12 +263,12 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
   return law_of(jump_grid(mass1, mass2, force, clearance, restitution, criterion, threads, progress), force, clearance);
 }
 
-JumpLaw fit_compliant_jump_law(double mass1, double mass2, const std::vector<double>& force,
-                               const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
-                               JumpCriterion criterion, int threads, frac::Progress* progress) {
+JumpLaw fit_contact_jump_law(double mass1, double mass2, const std::vector<double>& force,
+                             const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
+                             JumpCriterion criterion, int threads, frac::Progress* progress) {
   require_different("force", force);
   require_different("clearance", clearance);
-  return law_of(compliant_jump_grid(mass1, mass2, force, clearance, contact, criterion, threads, progress), force,
+  return law_of(contact_jump_grid(mass1, mass2, force, clearance, contact, criterion, threads, progress), force,
                 clearance);
 }
 

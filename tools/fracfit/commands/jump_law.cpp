@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "backlash/compliant/compliant_jump.hpp"
@@ -54,13 +55,13 @@ class JumpLaw : public Command {
   }
 
  private:
-  /// @param fit  makes a law of restitutions or of contacts
-  template <class Fit, class Losses>
-  backlash::JumpLaw over_grid(const Fit& fit, const Losses& losses) const {
-    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"losses", losses.size()}});
+  template <class Losses, class Function>
+  auto over_grid(const Losses& losses, Function function) const {
+    const char* const of = std::is_same_v<Losses, std::vector<double>> ? "--restitution" : "contacts";
+    require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {of, losses.size()}});
     frac::Progress progress;
     const io::ProgressBar bar("jump-law", progress, progress_style());
-    return fit(mass1_, mass2_, force_, clearance_, losses, criterion_, threads(), &progress);
+    return function(mass1_, mass2_, force_, clearance_, losses, criterion_, threads(), &progress);
   }
 
   // Constants that depend on restitution alone are those of any scene; their command line names none.
@@ -78,13 +79,7 @@ class JumpLaw : public Command {
 
   int run_constants() {
     leave_out_scene();
-    require_table_size(
-        {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
-    const auto grid = [&] {
-      frac::Progress progress;
-      const io::ProgressBar bar("jump-law", progress, progress_style());
-      return backlash::jump_grid(mass1_, mass2_, force_, clearance_, restitution_, criterion_, threads(), &progress);
-    }();
+    const auto grid = over_grid(restitution_, backlash::jump_grid);
     write(format() == "json"  ? jump_constants_json(command_line(), grid)
           : format() == "csv" ? jump_constants_csv(command_line(), grid)
                               : jump_constants_table(grid));
@@ -101,8 +96,8 @@ class JumpLaw : public Command {
       run.contact_columns = contact_.columns();
       run.contacts = contact_.values();
     }
-    const auto law = takes_time ? over_grid(backlash::fit_compliant_jump_law, contact_.contacts(mass1_, mass2_))
-                                : over_grid(backlash::fit_jump_law, restitution_);
+    const auto law = takes_time ? over_grid(contact_.contacts(mass1_, mass2_), backlash::fit_contact_jump_law)
+                                : over_grid(restitution_, backlash::fit_jump_law);
     if (law.message.empty() || format() != "table")
       write(format() == "json"  ? jump_law_json(run, law)
             : format() == "csv" ? jump_law_csv(run, law)

@@ -62,3 +62,15 @@ def jump_law(
     report: Callable[[int, int], Any] | None,
     /,
 ) -> Dict: ...
+def contact_jump_law(
+    mass1: float,
+    mass2: float,
+    force: np.ndarray,
+    clearance: np.ndarray,
+    stiffness: np.ndarray,
+    damping: np.ndarray,
+    criterion: str,
+    threads: int,
+    report: Callable[[int, int], Any] | None,
+    /,
+) -> Dict: ...

@@ -269,12 +269,14 @@ class JumpLaw(_Record, JumpLawNumbers, Table):
 @named
 def jump_law(
     *,
-    restitution: Any = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0),
+    restitution: Any = None,
     force: Any = (10.0, 20.0, 30.0, 40.0, 50.0),
     clearance: Any = (0.01, 0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
     mass1: float = 1.0,
     mass2: float = 1.0,
-    criterion: str = "two-impact-loss",
+    contact_stiffness: Any = None,
+    contact_damping: Any = None,
+    criterion: str | None = None,
     threads: int = 0,
     progress: Any = None,
 ) -> JumpLaw:
@@ -285,8 +287,10 @@ def jump_law(
     restitution, force, clearance : array_like
         Coefficients of restitution that are averaged over, force amplitudes (N) and clearances (m), two or more different
         ones of the latter two; by default the grid of the paper.
+    contact_stiffness, contact_damping : float or array_like
+        In place of restitutions: contacts that take time, N/m and N s/m.
     criterion : str
-        As of `jump_frequency`.
+        As of `jump_frequency`; "two-impact-loss" unless given, where contacts take time "symmetry-loss" or "saddle-node".
 
     Examples
     --------
@@ -296,8 +300,25 @@ def jump_law(
     >>> law = fracfit.jump_law(restitution=[0.5], force=[10, 20], clearance=[0.1, 0.2])
     >>> round(law.laws[0]["law"]["exponent"], 9)
     0.5
+    >>> soft = fracfit.jump_law(contact_stiffness=1e5, contact_damping=80.0)
+    >>> round(soft.laws[0]["law"]["exponent"], 6)
+    0.420702
     """
+    takes_time = contact_stiffness is not None
+    if takes_time and (restitution is not None or contact_damping is None):
+        raise ValueError("contact_stiffness needs contact_damping" if restitution is None else "give either restitution or contact_stiffness with contact_damping")
+    if not takes_time and contact_damping is not None:
+        raise ValueError("contact_damping has no meaning without contact_stiffness")
+    if restitution is None:
+        restitution = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+    if criterion is None:
+        criterion = "symmetry-loss" if takes_time else "two-impact-loss"
     lists = [real_array(np.atleast_1d(value), name) for name, value in (("force", force), ("clearance", clearance), ("restitution", restitution))]
     masses = number(mass1, "mass1"), number(mass2, "mass2")
+    if takes_time:
+        contacts = [np.ascontiguousarray(each, dtype=float) for each in np.broadcast_arrays(
+            *(real_array(np.atleast_1d(value), name) for name, value in (("contact_stiffness", contact_stiffness), ("contact_damping", contact_damping)))
+        )]  # fmt: skip
+        return JumpLaw(_fitting.contact_jump_law(*masses, *lists[:2], *contacts, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law")))
     found = _fitting.jump_law(*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
     return JumpLaw(found)

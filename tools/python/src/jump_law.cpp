@@ -2,6 +2,7 @@
 #include "backlash/identification/jump_law.hpp"
 
 #include <string>
+#include <vector>
 
 #include "arrays.hpp"
 #include "backlash/identification/describe.hpp"
@@ -13,6 +14,13 @@
 namespace python {
 namespace {
 
+py::dict dict_of_law(const backlash::JumpLaw& found) {
+  py::dict dict = dict_of(found);
+  dict["usable"] = found.usable();
+  dict["summary"] = found.summary();
+  return dict;
+}
+
 py::dict law(double mass1, double mass2, const Reals& force, const Reals& clearance, const Reals& restitution,
              const std::string& criterion, int threads, const py::object& report) {
   const auto chosen = backlash::jump_criterion_from_string(criterion);
@@ -22,10 +30,22 @@ py::dict law(double mass1, double mass2, const Reals& force, const Reals& cleara
         return backlash::fit_jump_law(mass1, mass2, forces, clearances, restitutions, chosen, threads, &progress);
       },
       report);
-  py::dict dict = dict_of(found);
-  dict["usable"] = found.usable();
-  dict["summary"] = found.summary();
-  return dict;
+  return dict_of_law(found);
+}
+
+// Of contacts that take time, given by two lists of one length.
+py::dict contact_law(double mass1, double mass2, const Reals& force, const Reals& clearance, const Reals& stiffness,
+                     const Reals& damping, const std::string& criterion, int threads, const py::object& report) {
+  const auto chosen = backlash::jump_criterion_from_string(criterion);
+  const auto forces = vector_of(force), clearances = vector_of(clearance);
+  std::vector<backlash::CompliantContact> contacts;
+  for (py::ssize_t i = 0; i < stiffness.size(); ++i) contacts.emplace_back(stiffness.data()[i], damping.data()[i]);
+  const auto found = result_of(
+      [&](frac::Progress& progress) {
+        return backlash::fit_contact_jump_law(mass1, mass2, forces, clearances, contacts, chosen, threads, &progress);
+      },
+      report);
+  return dict_of_law(found);
 }
 
 }  // namespace
@@ -33,6 +53,7 @@ py::dict law(double mass1, double mass2, const Reals& force, const Reals& cleara
 void add_jump_law(py::module_& module) {
   module.attr("described")["JumpLaw"] = attributes_of<backlash::JumpLaw>();
   module.def("jump_law", &law);
+  module.def("contact_jump_law", &contact_law);
 }
 
 }  // namespace python

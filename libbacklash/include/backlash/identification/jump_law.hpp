@@ -75,10 +75,10 @@ struct PublishedJumpLaw {
 /// Of free masses whose contacts take time, by symmetry_loss or saddle_node, see compliant_jump(): c depends on the
 /// stiffness beside the force too, and the constant of a contact is the mean over the scenes.
 /// @param contact  each with a damping > 0
-[[nodiscard]] JumpGrid compliant_jump_grid(double mass1, double mass2, const std::vector<double>& force,
-                                           const std::vector<double>& clearance,
-                                           const std::vector<CompliantContact>& contact, JumpCriterion criterion,
-                                           int threads = 0, frac::Progress* progress = nullptr);
+[[nodiscard]] JumpGrid contact_jump_grid(double mass1, double mass2, const std::vector<double>& force,
+                                         const std::vector<double>& clearance,
+                                         const std::vector<CompliantContact>& contact, JumpCriterion criterion,
+                                         int threads = 0, frac::Progress* progress = nullptr);
 
 /// The power laws of such a grid.  Where fewer than two clearances have a jump at two forces there is none, and
 /// `message` says so.
@@ -86,9 +86,9 @@ struct PublishedJumpLaw {
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
-[[nodiscard]] JumpLaw fit_compliant_jump_law(double mass1, double mass2, const std::vector<double>& force,
-                                             const std::vector<double>& clearance,
-                                             const std::vector<CompliantContact>& contact, JumpCriterion criterion,
-                                             int threads = 0, frac::Progress* progress = nullptr);
+[[nodiscard]] JumpLaw fit_contact_jump_law(double mass1, double mass2, const std::vector<double>& force,
+                                           const std::vector<double>& clearance,
+                                           const std::vector<CompliantContact>& contact, JumpCriterion criterion,
+                                           int threads = 0, frac::Progress* progress = nullptr);
 
 }  // namespace backlash
