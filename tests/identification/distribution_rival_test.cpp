@@ -64,7 +64,7 @@ TEST(SpreadLags, AreTheMeansOfLags) {
   for (const Term::Kind kind : kinds) {
     for (const double width : {0.1, 0.35, 1.0, 3.0}) {
       const frac::detail::TermProblem problem = exact_problem(kind, width);
-      const Eigen::MatrixXcd columns = problem.columns({{kind, 0, true, 0, 0, std::log(width)}});
+      const Eigen::MatrixXcd columns = problem.columns({{.kind = kind, .held = true, .log_width = std::log(width)}});
       for (Eigen::Index i = 0; i < columns.rows(); i += 7) {
         const Complex s = problem.s()[i];
         EXPECT_LT(std::abs(columns(i, 0) - spread_lag(s, kind, width)), 1e-9) << width << " at " << s;
@@ -78,7 +78,7 @@ TEST(SpreadLags, AreTheMeansOfLags) {
 TEST(SpreadLags, ChangeAsTheirDerivativesSay) {
   for (const Term::Kind kind : kinds) {
     const frac::detail::TermProblem problem = exact_problem(kind, 1);
-    const Term term{kind, 0, true, 0.7, 0, std::log(0.8)};
+    const Term term{.kind = kind, .held = true, .log_size = 0.7, .log_width = std::log(0.8)};
     frac::detail::ProjectedData::Linear linear;
     ASSERT_TRUE(problem.solve(problem.columns({term}), linear));
     const Eigen::MatrixXcd derivatives = problem.derivatives({term}, linear);

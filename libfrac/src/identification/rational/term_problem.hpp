@@ -30,8 +30,8 @@ struct Term {
   bool held = false;
   double log_size = 0;  // of all but powers: frequency at the top, in units of the middle of the band
   double log_damping = 0;
-  double log_width = 0;                                       // of a spread
   double least_order = -most_power, most_order = most_power;  // of a power
+  double log_width = 0;                                       // of a spread
 
   [[nodiscard]] bool is_mode() const { return kind == Kind::mode || kind == Kind::structural_mode; }
   [[nodiscard]] bool is_spread() const { return kind == Kind::normal_spread || kind == Kind::even_spread; }

@@ -38,6 +38,10 @@ TermSum with(TermSum sum, const Term& term) {
 
 const Term constant{Term::Kind::power, 0, true};
 
+Term spread(Term::Kind kind, double log_size, double width) {
+  return {.kind = kind, .held = true, .log_size = log_size, .log_width = std::log(width)};
+}
+
 /// Refines the `count` starts of least cost.
 void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
                  std::vector<TermFit>& refined) {
@@ -68,7 +72,7 @@ std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
     for (const double width : {0.3, 1.0, 3.0}) {
       std::vector<Term> along;
       for (int i = 0; i < places; ++i) {
-        along.push_back({kind, 0, true, place(problem, i, places), 0, std::log(width)});
+        along.push_back(spread(kind, place(problem, i, places), width));
       }
       add_local_minima(problem.along(sum, along), starts);
     }
@@ -83,9 +87,7 @@ std::vector<TermFit> pairs(const TermProblem& problem) {
   constexpr std::size_t tried = 4;
   std::vector<TermFit> starts;
   for (const double width : {0.4, 1.0, 2.0}) {
-    const auto at = [&](int i) {
-      return Term{Term::Kind::normal_spread, 0, true, place(problem, i, places), 0, std::log(width)};
-    };
+    const auto at = [&](int i) { return spread(Term::Kind::normal_spread, place(problem, i, places), width); };
     for (int i = 0; i + 1 < places; ++i) {
       std::vector<Term> others;
       for (int k = i + 1; k < places; ++k) others.push_back(at(k));
