@@ -201,9 +201,12 @@ std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, do
   if (!is_followed) return std::nullopt;
   // Hard contacts have more orbits than those in closed form and those that stick.
   FoundMotions further = found;
-  const auto longer = h_of_contact(motions, gamma, 2 * least, is_followed, further, false);
-  if (!longer) return std::nullopt;
-  return *h + (tau - least) / least * (*longer - *h);
+  const auto second = h_of_contact(motions, gamma, 2 * least, is_followed, further, false);
+  const auto third = h_of_contact(motions, gamma, 3 * least, is_followed, further, false);
+  if (!second || !third) return std::nullopt;
+  // The parabola through these, off by the cube of the angle.
+  const double x = tau / least;
+  return 0.5 * (x - 2) * (x - 3) * *h - (x - 1) * (x - 3) * *second + 0.5 * (x - 1) * (x - 2) * *third;
 }
 
 ContactResponses::ContactResponses(double restitution)
