@@ -504,7 +504,7 @@ def test_scene_of_the_command_line():
 def test_contacts_that_take_time():
     contact = fracfit.contact_of_frequency(150, restitution=0.5)
     curves = [
-        fracfit.describing_function(np.linspace(*band, 12), force=force, clearance=0.3, **contact).data()
+        fracfit.describing_function(np.linspace(*band, 12), force=force, clearance=0.3, protocol="two-impact", **contact).data()
         for force, band in ((10, (12.8, 18)), (40, (25.6, 36)))
     ]
     result = fracfit.identify_scene(curves, [10, 40], fixed={"mass1": 1})

@@ -194,8 +194,19 @@ std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, do
   const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start);
   if (!h || tau >= least) return h;
   const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h);
-  if (!hard) return std::nullopt;
-  return *hard + tau / least * (*h - *hard);
+  // N changes by about the angle between a motion and the one that it tends to.
+  constexpr double same_motion_within = 10;
+  const bool is_its_limit = hard && (!is_followed || std::abs(*hard - *h) <= same_motion_within * least * std::abs(*h));
+  if (is_its_limit) return *hard + tau / least * (*h - *hard);
+  if (!is_followed) return std::nullopt;
+  // Hard contacts have more orbits than those in closed form and those that stick.
+  FoundMotions further = found;
+  const auto second = h_of_contact(motions, gamma, 2 * least, is_followed, further, false);
+  const auto third = h_of_contact(motions, gamma, 3 * least, is_followed, further, false);
+  if (!second || !third) return std::nullopt;
+  // The parabola through these, off by the cube of the angle.
+  const double x = tau / least;
+  return 0.5 * (x - 2) * (x - 3) * *h - (x - 1) * (x - 3) * *second + 0.5 * (x - 1) * (x - 2) * *third;
 }
 
 ContactResponses::ContactResponses(double restitution)

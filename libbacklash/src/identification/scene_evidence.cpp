@@ -130,6 +130,9 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
     PointChoice& choice = local.choices[i];
     if (choice.used) continue;
     const MeasuredPoint& point = data.points[i];
+    // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their angle.
+    const double angle = contact_angle(local.theta, data, point);
+    if (angle > other_motion) continue;
     const auto motions = motions_of_starts(gamma_at(local.theta, point), local.theta[3]);
     const PointChoice compared = choice;
     double least = price_left_out(data, choice, i);
@@ -139,13 +142,11 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
       other.means = static_cast<int>(motions.size());
       const double size = std::max(std::abs(other.model), least_size * data.typical);
       // The motion that the point lies off is none the nearer for being found again.
-      if (compared.kind != PointChoice::Kind::none && std::abs(other.model - compared.model) <= same_motion * size)
+      if (compared.kind != PointChoice::Kind::none &&
+          std::abs(other.model - compared.model) <= std::max(same_motion, angle) * size)
         continue;
-      // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their
-      // angle.
-      other.accuracy =
-          std::hypot(motion.closes ? 0 : long_mean_accuracy, deviation * data.deviation(point, other.model) / size,
-                     contact_angle(local.theta, data, point));
+      other.accuracy = std::hypot(motion.closes ? 0 : long_mean_accuracy,
+                                  deviation * data.deviation(point, other.model) / size, angle);
       const double price = price_left_out(data, other, i);
       if (!(price < least)) continue;
       least = price;
