@@ -92,6 +92,18 @@ TEST(LineSum, LinesComeBackFromPeriodsThatAreNotWhole) {
   }
 }
 
+// Levels held for some samples have plateaus in their correlation; a period is a number of samples or none.
+TEST(LineSum, HeldLevelsHaveAPeriodOfSamplesOrNone) {
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    support::Random random(seed);
+    std::vector<double> input;
+    for (int i = 0; i < 200; ++i) input.push_back(i > 0 && random.unit() < 0.9 ? input.back() : random.normal());
+    if (std::all_of(input.begin(), input.end(), [&](double each) { return each == input.front(); })) continue;
+    const frac::detail::InputPeriod period = frac::detail::input_period(input);
+    EXPECT_TRUE(period.samples > 2 && period.samples <= 200) << seed << ": " << period.samples;
+  }
+}
+
 // The response to a sine from rest has forgotten its start after forty time constants to e^-40 = 4e-18; two sines at
 // 2.9 and 6.3 samples per period are the input.  The reference is good to some 1e-15.
 TEST(SteadyResponse, IsWhatARunFromRestTendsTo) {

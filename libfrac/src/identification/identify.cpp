@@ -24,6 +24,7 @@
 #include "identification/time_growth.hpp"
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
+#include "identification/verdict/finalists.hpp"
 #include "identification/verdict/verdict.hpp"
 
 namespace frac {
@@ -252,6 +253,25 @@ double learned_floor(const FrequencyResponseData& data, const FitOptions& option
   return *trial.noise_floor;
 }
 
+/// The noise is the same for all candidates: where one of them leaves it white, those that need it correlated miss a
+/// shape.
+void keep_to_white_noise(const FrequencyResponseData&, std::vector<detail::Competitor>&) {}
+void keep_to_white_noise(const TimeResponseData& data, std::vector<detail::Competitor>& competitors) {
+  std::vector<double> time;
+  for (const std::size_t i : data.observed()) time.push_back(data.time()[i]);
+  std::vector<LackOfFit> white;
+  bool one_is_white = false;
+  for (const detail::Competitor& each : competitors) {
+    const FitResult& fit = each.ranked.fit;
+    white.push_back(detail::meets_exactly(each) ? each.ranked.lack_of_fit
+                                                : detail::residual_tests(each.residual, 1, time, fit.free_parameters,
+                                                                         !data.sigma().empty(), 0));
+    one_is_white = one_is_white || (fit.termination == FitTermination::converged && white.back().adequate);
+  }
+  if (!one_is_white) return;
+  for (std::size_t i = 0; i < competitors.size(); ++i) competitors[i].ranked.lack_of_fit = std::move(white[i]);
+}
+
 /// @param ratios  see resolve()
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
@@ -299,6 +319,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
         .push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates,
                     outcome.stands_in, outcome.passive});
   }
+  keep_to_white_noise(data, competitors);
   detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), passive.begin(), passive.end());
   competitors.insert(competitors.end(), curves.begin(), curves.end());

@@ -108,6 +108,7 @@ class LinePowers {
 /// line.
 double phased(double period, const std::vector<double>& signal) {
   for (int round = 0; round < 4; ++round) {
+    if (!(period >= 1)) return period;
     const std::size_t periods = detail::whole_periods(signal.size(), period) / 2;
     if (periods < 1) return period;
     const auto half = static_cast<std::size_t>(std::lround(static_cast<double>(periods) * period));
@@ -135,7 +136,7 @@ double phased(double period, const std::vector<double>& signal) {
 double with_whole_samples(double period, const std::vector<double>& signal) {
   period = phased(period, signal);
   const double whole = std::round(period);
-  if (whole == period || std::abs(period - whole) > 0.1) return period;
+  if (whole == period || !(std::abs(period - whole) <= 0.1) || whole < 1) return period;
   return LinePowers(signal, whole).between() <= 1.005 * LinePowers(signal, period).between() ? whole : period;
 }
 
@@ -181,6 +182,7 @@ std::optional<double> period_of(const std::vector<double>& signal) {
   }
   if (summits.empty()) return std::nullopt;
   const double longest = refined(correlation, best.lag, signal);
+  if (!(longest >= 1)) return std::nullopt;
   // Multiples of the period correlate as well as itself.  A part of the longest lag is the period where the lines of
   // the longest that it has not are no stronger than those between.
   const LinePowers powers(signal, longest);

@@ -34,7 +34,7 @@ class LineSum {
 };
 
 /// Period of an input in samples: that of period_of(), where that is no whole number the one near it whose lines leave
-/// the least of the input; or the whole signal where nothing in it repeats.
+/// the least of the input; or the whole signal where nothing in it repeats or its lines do not pay for themselves.
 struct InputPeriod {
   double samples;
   bool repeats;

@@ -28,7 +28,7 @@ class PeriodicInput {
   [[nodiscard]] double spacing() const noexcept { return spacing_; }
   /// From 0 on: the signal is the real part of their sum, each times e^{j omega (t - first_time)}.
   [[nodiscard]] const std::vector<std::complex<double>>& line() const noexcept { return line_; }
-  /// Those above rounding, without 0, rising.
+  /// Rising, without 0: those above the noise and the widest gap, or all above rounding where nothing repeats.
   [[nodiscard]] const std::vector<std::size_t>& excited() const noexcept { return excited_; }
   [[nodiscard]] double omega(std::size_t line) const noexcept { return spacing_ * static_cast<double>(line); }
 
@@ -41,8 +41,8 @@ class PeriodicInput {
 };
 
 /// The output of a ratio of sums of powers in the periodic steady state, exact: sum over the lines of the input of
-/// H(j omega_k) U_k e^{j omega_k t}, with its derivatives by the parameters.  A system that integrates has no steady
-/// state for the mean of its input, which is left out.
+/// H(j omega_k) U_k e^{j omega_k t} over those excited, with its derivatives by the parameters.  A system that
+/// integrates has no steady state for the mean of its input, which is left out.
 class SteadyResponse {
  public:
   /// @param index  samples of the record, rising

@@ -140,8 +140,8 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
   return result;
 }
 
-// Noise of first order has neighbours correlated by r, the middle of both by r too: e_i - (e_(i-1) + e_(i+1))/2 then has
-// the variance 3/2 - 2 r + r^2/2, and a sum of n squares that of n (1 - r^2)/(1 + r^2) independent ones.
+// Noise of first order has neighbours correlated by r, the middle of both by r too: e_i - (e_(i-1) + e_(i+1))/2 then
+// has the variance 3/2 - 2 r + r^2/2, and a sum of n squares that of n (1 - r^2)/(1 + r^2) independent ones.
 LackOfFit detail::first_order_tests(std::span<const double> residual, std::span<const double> time,
                                     std::size_t parameters, bool told, double rounding) {
   const LackOfFit white = residual_tests(residual, 1, time, parameters, told, rounding);
@@ -151,10 +151,15 @@ LackOfFit detail::first_order_tests(std::span<const double> residual, std::span<
   if (r == 0) return white;
   std::vector<double> innovation;
   for (std::size_t i = 1; i < tame.size(); ++i) innovation.push_back(tame[i] - r * tame[i - 1]);
-  const LackOfFit freed = residual_tests(innovation, 1, time.subspan(1), parameters + 1, false, rounding);
+  // White noise beside a smooth misfit is no noise of first order: it leaves neighbours that oppose each other, so that
+  // either sign tells.
+  const ResidualWhiteness left = whiteness(innovation, 1);
+  const auto count = static_cast<double>(innovation.size());
+  const double expected = -static_cast<double>(parameters + 1) / count;
+  const double either_way = 2 * normal_above(std::abs(left.lag_one_correlation - expected) * std::sqrt(count));
   LackOfFit result = white;
-  result.correlation_p_value = freed.correlation_p_value;
-  result.adequate = freed.adequate;
+  result.correlation_p_value = std::min(1.0, 2 * std::min(either_way, left.p_value));
+  result.adequate = !(result.correlation_p_value < least_chance);
   if (told) {
     const double square = sum_of_squares(residual);
     const double degrees = static_cast<double>(residual.size()) - static_cast<double>(parameters);

@@ -6,8 +6,11 @@
 
 #include "base/short_text.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/residual_tests.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/verdict_sentence.hpp"
+#include "special/distributions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -34,6 +37,19 @@ constexpr double most_of_extrapolation = 100;
 bool not_above(double value, double times, double other) {
   return !(value > times * other);
 }
+
+/// Whether residuals over time follow the data as noise of first order does and white noise does not, by the test of
+/// both of lack_of_fit().  A model that misses a smooth shape among white noise leaves such residuals too: it is not
+/// refuted, and decides nothing.
+bool may_miss_a_shape(const Comparison& pair, const Competitor& competitor) {
+  if (!pair.over_time || !competitor.ranked.lack_of_fit.adequate || meets_exactly(competitor)) return false;
+  const ResidualWhiteness found = whiteness(competitor.residual, 1);
+  const auto count = static_cast<double>(competitor.residual.size());
+  const double of_neighbours =
+      normal_above(found.lag_one_correlation * std::sqrt(count) + competitor.parameters() / std::sqrt(count));
+  return 2 * std::min(of_neighbours, found.p_value) < least_chance;
+}
+const std::string correlated = " one leaves correlated residuals, by the noise or by a shape that it misses";
 
 /// The evidence an integer-order finalist has to have against orders that depart.
 double evidence_to_refute(const Comparison& pair) {
@@ -74,12 +90,14 @@ std::string against_fractional(const IdentificationResult& result, const Compari
                         not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms);
   if (!predicts) return ", but the fractional one predicts left-out points worse";
   if (!skipped_rivals.empty()) return ", but " + unfitted(skipped_rivals);
-  return pair.fractional_follows ? "" : ", but only the other one follows the data";
+  if (!pair.fractional_follows) return ", but only the other one follows the data";
+  return may_miss_a_shape(pair, pair.fractional) ? ", but the fractional" + correlated : "";
 }
 
 /// Why the integer-order finalist may not refute, whatever the evidence; empty where it may.
 std::string against_integer_model(const IdentificationResult& result, const Comparison& pair) {
   if (!pair.integer_follows) return ", but the integer-order one does not follow the data";
+  if (may_miss_a_shape(pair, pair.integer)) return ", but the integer-order" + correlated;
   if (pair.rounded && result.integer->parameters > pair.departure.parameters) {
     return ", but the values are rounded so coarsely that the integer-order one, with more parameters, may follow the "
            "steps";
