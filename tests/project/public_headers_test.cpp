@@ -95,6 +95,7 @@ TEST(PublicHeaders, EveryMemberOfADescribedResultIsDescribed) {
                                         "RankedFit::model",
                                         "IdentificationResult::advice",
                                         "IdentificationResult::chosen",
+                                        "IdentificationResult::distribution",
                                         "IdentificationResult::fractional",
                                         "IdentificationResult::integer",
                                         "IdentificationResult::differ_most",

@@ -73,7 +73,7 @@ TEST(Describe, HasTheNumbersOfARanking) {
   const Json ranking = successful({"identify", examples + "cell.csv", "--models", "zarc,two-rc", "--format", "json"});
   expect_is(ranking, results["identification"], {},
             {"fracfit", "command", "data", "options", "assumptions", "set_aside", "validity", "chosen", "stability",
-             "fractional", "integer", "differ_most", "next_measurement", "economy"});
+             "fractional", "integer", "differ_most", "next_measurement", "distribution", "economy"});
   auto candidate = results["candidate"];
   candidate.merge(results["fit"]);
   for (const auto& each : ranking["ranking"])

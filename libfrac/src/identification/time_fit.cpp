@@ -62,7 +62,10 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
   }
   for (const ParameterConstraint& known : options.constraints) {
     if (known.fixed || known.upper || !(known.lower > length_of(data))) continue;
-    if (structure.parameter_roles()[structure.parameter_index(known.name)] != ParameterRole::delay) continue;
+    const auto& names = structure.parameter_names();
+    const auto at = std::find(names.begin(), names.end(), known.name);  // the offset is none of them
+    if (at == names.end()) continue;
+    if (structure.parameter_roles()[static_cast<std::size_t>(at - names.begin())] != ParameterRole::delay) continue;
     throw std::invalid_argument("parameter '" + known.name + "': lower limit " + detail::number_text(*known.lower) +
                                 " s of a dead time; allowed is less than the record of " +
                                 detail::number_text(length_of(data)) + " s");
