@@ -175,7 +175,10 @@ class Fit : public Command {
       const auto record = read_time_record(request_, over_time_, options(), note);
       FitRun about = time_fit_run(request_, record, options(), command_line());
       add_known(about);
-      return write_fit(record.data, fit, frac::fit(record.data, asked(), fit), about);
+      // The offset is held by an option of its own.
+      frac::ModelRequest request = asked();
+      request.model.constraints = fit.constraints;
+      return write_fit(record.data, fit, frac::fit(record.data, request, fit), about);
     }
     options().settle(frequency_response);
     auto wanted = fit_options(request_);
