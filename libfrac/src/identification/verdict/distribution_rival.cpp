@@ -169,7 +169,8 @@ std::optional<DistributionRival> distribution_rival(const FrequencyResponseData&
   const Thinned few = thinned(data, rule, scouted);
   const bool many = few.data.size() < data.size();
   TermFit fit = grown(many ? TermProblem(few.data, few.rule) : problem);
-  fit = problem.refine(std::move(fit.sum), thorough);
+  constexpr Effort to_the_end{200, 1e-11};  // evidence is told to four digits
+  fit = problem.refine(std::move(fit.sum), to_the_end);
   const std::vector<std::complex<double>> response = problem.response(fit.sum);
   if (response.empty()) return std::nullopt;
 

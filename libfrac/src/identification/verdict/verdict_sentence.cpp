@@ -18,10 +18,16 @@ std::string how_far_off(const LackOfFit& lack) {
              : "its neighbouring residuals" + correlated;
 }
 
+std::string odds_against(const DistributionRival& distribution) {
+  const double log_odds = log10_odds(distribution.evidence, Verdict::fractional_or_distribution);
+  return "odds " + four_digits(std::pow(10.0, std::abs(log_odds))) + " to 1 for the " +
+         (log_odds > 0 ? "former" : "latter");
+}
+
 std::string note_on_distribution(const DistributionRival& distribution) {
-  return "Of distributions of relaxation times the best is " + distribution.model + " (" +
-         counted(distribution.parameters, "parameter") + ", rms " + four_digits(100 * distribution.relative_rms) +
-         " %)" + "; evidence for the fractional one against it is " + four_digits(distribution.evidence) +
+  return "The best distribution of relaxation times has " + counted(distribution.parameters, "parameter") +
+         " and leaves rms " + four_digits(100 * distribution.relative_rms) +
+         " %; evidence for the fractional one against it is " + four_digits(distribution.evidence) +
          (decides(distribution.evidence) ? "." : ", which above 10 would leave it out.");
 }
 
@@ -124,7 +130,7 @@ std::string verdict_sentence(const IdentificationResult& result, const Compariso
                   : "A fractional power or a distribution of relaxation times: ") +
              described(pair.fractional.ranked) + " against " + "lags of spread times (" +
              counted(result.distribution->parameters, "parameter") + ", rms " +
-             four_digits(100 * result.distribution->relative_rms) + " %).";
+             four_digits(100 * result.distribution->relative_rms) + " %), " + odds_against(*result.distribution) + ".";
     case Verdict::fractional_not_supported:
       return "A fractional order is not supported: " + rivals + ".";
     default:
