@@ -277,3 +277,17 @@ TEST(TimeFit, ABandLimitedInputIsAnsweredExactly) {
   const auto straight = run_fracfit({"fit", file, "--model", "K/(T s^a + 1)", "--hold", "first-order"});
   EXPECT_NE(straight.output.find("--hold band-limited"), std::string::npos) << straight.output;
 }
+
+// A band-limited input is a property of the samples: where they cannot have it, it is the file that is at fault.
+TEST(TimeFit, ABandLimitedInputNeedsEvenStepsAndChange) {
+  const TemporaryFolder folder;
+  const auto uneven =
+      folder.write("uneven.csv", "time_s,input,output\n0,0,0\n1,1,1\n2,0,1\n3.5,1,1\n4.5,0,1\n5.5,1,1\n");
+  const auto steady = folder.write("steady.csv", "time_s,input,output\n0,1,0\n1,1,1\n2,1,1\n3,1,1\n4,1,1\n5,1,1\n");
+  for (const auto& [file, part] : {std::pair(uneven, "even steps"), std::pair(steady, "does not change")}) {
+    const auto result = run_fracfit({"fit", file, "--model", "K/(T s + 1)", "--hold", "band-limited"});
+    EXPECT_EQ(result.code, 3) << result.error;
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+    EXPECT_NE(result.error.find(file), std::string::npos) << result.error;
+  }
+}

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "io/column_name.hpp"
@@ -189,8 +190,12 @@ frac::TimeResponseData time_response_data(const std::string& file, TimeSeries se
                     "the input is " + format_number(input_at_rest) +
                         " throughout, as at rest: nothing drives the system; expected an input that differs from its "
                         "value at rest (--input-at-rest of fit and identify, 0 if not given)");
-  return {std::move(series.time), std::move(series.input), std::move(series.output), std::move(series.sigma), hold,
-          input_at_rest};
+  try {
+    return {std::move(series.time), std::move(series.input), std::move(series.output), std::move(series.sigma), hold,
+            input_at_rest};
+  } catch (const std::invalid_argument& error) {
+    throw DataError(file, 0, 0, error.what());  // samples that the hold has no meaning for
+  }
 }
 
 }  // namespace io
