@@ -353,6 +353,16 @@ def test_identify_of_the_command_line():
 
 
 @pytest.mark.bits
+def test_the_distribution_is_that_of_the_command_line():
+    models = ["two-zarc", "two-rc", "rational:1..8"]
+    found = command_line.json_of("identify", CELL, "--models", ",".join(models))
+    result = fracfit.identify(fracfit.read(CELL), models)
+    assert result.verdict == found["verdict"] == "fractional-or-distribution"
+    assert result.distribution == found["distribution"]
+    assert "/(1 + s t1)" in result.distribution["model"]
+
+
+@pytest.mark.bits
 def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
     chance = np.random.default_rng(1)
     omega = np.logspace(-1, 1, 14)

@@ -754,6 +754,9 @@ class Identification(_Record, IdentificationNumbers, Table):
         Where undecided, what would decide: from and to (rad/s), and how many points.
     next_accuracy, next_evidence : float or None
         Of that measurement: standard deviation of a weighted residual that it needs, and the evidence to expect.
+    distribution : dict or None
+        Where whole orders do not explain the data, the distribution of relaxation times that a fractional power was compared with:
+        model (in words), parameters, relative_rms, and evidence for the power against it.
     advice : list of tuple
         Of the verdict: what would help, as the sentence says it, and the parameters concerned.
     left_out : list of int
@@ -772,6 +775,7 @@ class Identification(_Record, IdentificationNumbers, Table):
     next_measurement: tuple[float, float, int] | None
     next_accuracy: float | None
     next_evidence: float | None
+    distribution: dict[str, Any] | None
     advice: list[tuple[str, list[str]]]
     left_out: list[int]
     component: str | None
