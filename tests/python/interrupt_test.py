@@ -71,7 +71,7 @@ LONG = {
         for model in [fracfit.Model(f"exp(-s)/(s^2.3 + 0.{i + 1:04d} s^1.17 + 0.1 s^0.31 + 1)")]
     ],
     "respond": lambda: [
-        CELL.respond(np.arange(200_000) * 0.01, RANDOM.normal(size=200_000)) for _ in range(100)
+        CELL.respond(np.arange(200_000) * 0.01, RANDOM.normal(size=200_000)) for _ in range(1000)
     ],
     "describing_function": lambda: fracfit.describing_function(np.linspace(0.9, 1.6, 100_000), restitution=0.85),
     "independent points": lambda: fracfit.describing_function(
