@@ -153,6 +153,7 @@ Estimated arbitrary_response(const Record& record) {
   const bool has_reference = !record.reference().empty();
   if (has_reference) signals.push_back(without_mean(record.reference()));
   std::vector<Spectrum> spectra;
+  spectra.reserve(signals.size());
   for (const auto& signal : signals) spectra.push_back(transform(signal.data()));
   const Spectrum& drive = has_reference ? spectra.back() : spectra.front();
   const std::size_t outputs = record.outputs().size();

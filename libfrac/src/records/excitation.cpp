@@ -78,7 +78,8 @@ class LinePowers {
     constexpr double rounding = 1e-12, chance = 1e-3;
     constexpr std::size_t wanted = 6;
     const double largest = *std::max_element(powers_.begin(), powers_.end());
-    const auto lines = static_cast<double>(powers_.size() / periods_);
+    const std::size_t line_count = powers_.size() / periods_;
+    const auto lines = static_cast<double>(line_count);
     for (std::size_t i = periods_; i < powers_.size(); i += periods_) {
       if (i / periods_ % parts == 0 || powers_[i] < rounding * largest) continue;
       double beside = 0;

@@ -71,6 +71,7 @@ std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
     std::vector<TermFit> starts;
     for (const double width : {0.3, 1.0, 3.0}) {
       std::vector<Term> along;
+      along.reserve(places);
       for (int i = 0; i < places; ++i) {
         along.push_back(spread(kind, place(problem, i, places), width));
       }
