@@ -134,25 +134,44 @@ std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const 
   return result;
 }
 
-/// Whether the contained structure leaves so much more than a fit of the richer one that its optimum on all points
-/// cannot be the lower one.  Of many points some thousand are asked: what the contained structure leaves of them at its
-/// best there is no more than it leaves of them anywhere.
-bool is_left_behind(const FrequencyResponseData& data, const FitResult& fit, const FitOptions& options,
-                    const Structure& contained, const FitOptions& of_contained) {
+/// Of very many points some thousand, which show whether a contained structure leaves much more than a richer one: what
+/// it leaves of them at its best there is no more than it leaves of them anywhere.
+std::optional<FrequencyResponseData> some_of(const FrequencyResponseData& data) {
   // Mean squares of so many residuals are known to some 3 %, and to three times that where outliers are among them.
   constexpr std::size_t enough = 4000;
-  constexpr double clearly = 1.5;
   const std::size_t every = data.size() / enough;
-  if (every < 2) return false;
-  const FrequencyResponseData some = chosen_points(data, [&](std::size_t i) { return i % every == 0; });
+  if (every < 2) return std::nullopt;
+  return chosen_points(data, [&](std::size_t i) { return i % every == 0; });
+}
+
+/// The optimum of a contained structure; none where it leaves so much more than the fit of the richer one that it
+/// cannot be the lower one.
+/// @param optimum_of  searches it with given options
+template <class Search>
+std::optional<FitResult> contained_optimum(const FrequencyResponseData& data, const FitResult& fit,
+                                           const FitOptions& options, const Structure& contained,
+                                           const FitOptions& of_contained, const Search& optimum_of) {
+  const std::optional<FrequencyResponseData> some = some_of(data);
+  if (!some) return optimum_of(of_contained);
   const auto square = [&](const FitOptions& own, const FitResult& of) {
     double sum = 0;
-    for (const double each : weighted_residuals(some, own, of)) sum += each * each;
+    for (const double each : weighted_residuals(*some, own, of)) sum += each * each;
     return sum;
   };
-  const FitResult best = frac::fit(some, contained, of_contained);
-  return best.usable() && square(of_contained, best) > clearly * square(options, fit);
+  const FitResult best = frac::fit(*some, contained, of_contained);
+  if (!best.usable()) return optimum_of(of_contained);
+  constexpr double clearly = 1.5;
+  if (square(of_contained, best) > clearly * square(options, fit)) return std::nullopt;
+  return refit(data, contained, started_at(of_contained, best));
 }
+/// Simulations of records grow with their length alone; they are all compared.
+template <class Search>
+std::optional<FitResult> contained_optimum(const TimeResponseData&, const FitResult&, const TimeFitOptions&,
+                                           const Structure&, const TimeFitOptions& of_contained,
+                                           const Search& optimum_of) {
+  return optimum_of(of_contained);
+}
+
 /// The terms of the outermost sum, each with its sign and in parentheses.
 void add_terms(const Expression& expression, const Node& node, bool negative, std::vector<std::string>& terms) {
   const auto operand = [&](int index) -> const Node& { return expression.nodes[static_cast<std::size_t>(index)]; };
@@ -294,12 +313,10 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
   if constexpr (is_response<Data>) options = settled(asked, fit);
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
   const auto compare = [&](const Structure& contained, const OptionsOf<Data>& of_contained, double clearly,
-                           auto optimum_of) {
+                           const auto& optimum_of) {
     try {
-      // Simulations of records grow with their length alone; they are all compared.
-      if constexpr (is_response<Data>)
-        if (is_left_behind(data, fit, options, contained, of_contained)) return;
-      fit = no_worse_than(data, optimum_of(), clearly, options, std::move(fit));
+      const auto optimum = contained_optimum(data, fit, options, contained, of_contained, optimum_of);
+      if (optimum) fit = no_worse_than(data, *optimum, clearly, options, std::move(fit));
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.
     }
@@ -308,14 +325,15 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
     OptionsOf<Data> of_contained = options;
     of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
     const Structure contained(preset->formula);
-    compare(contained, of_contained, rounding, [&] { return frac::fit(data, contained, of_contained); });
+    compare(contained, of_contained, rounding,
+            [&](const OptionsOf<Data>& own) { return frac::fit(data, contained, own); });
   }
   for (const Structure& contained : without_a_term(structure)) {
     OptionsOf<Data> of_contained = options;
     of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
     // A term that the fitted part is blind to changes the cost by no more than where solvers end.
     constexpr double solved = 1e-6;
-    compare(contained, of_contained, solved, [&] { return refit(data, contained, of_contained); });
+    compare(contained, of_contained, solved, [&](const OptionsOf<Data>& own) { return refit(data, contained, own); });
   }
   return fit;
 }

@@ -111,6 +111,9 @@ constexpr double narrow = 0.1;
 void follow_cost(FitResult& result, detail::FrequencyProblem& problem, const detail::LocalSolution& solution,
                  const detail::Confidence& found, detail::Profiled profiled) {
   if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
+  // A profile takes some hundred solves, of more points some minutes.
+  constexpr std::size_t most_points = 20'000;
+  if (problem.data.size() > most_points) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const bool is_order = problem.structure.parameter_roles()[i] == ParameterRole::order;
     if (profiled == detail::Profiled::orders && !is_order) continue;
