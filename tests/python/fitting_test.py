@@ -496,6 +496,7 @@ def test_tune_of_the_command_line():
     assert result.pid(1.0, (1e-4, 0.5)).error < 0.1
 
 
+@pytest.mark.bits
 def test_scene_of_the_command_line():
     curves = [fracfit.read(path) for path in FORCES]
     result = fracfit.identify_scene(curves, [20, 40], fixed={"mass1": 1})
