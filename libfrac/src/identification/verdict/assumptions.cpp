@@ -134,7 +134,7 @@ void keep_to_no_dead_time(IdentificationResult& result, Candidates& candidates) 
 
 /// Whether the verdict leaves a model of this class to be chosen.
 bool goes_with_verdict(const Competitor& competitor, Verdict verdict) {
-  if (verdict == Verdict::fractional_supported) return competitor.is_fractional();
+  if (refuses_whole_orders(verdict)) return competitor.is_fractional();
   if (verdict == Verdict::fractional_not_supported) return !competitor.is_fractional();
   return true;
 }
