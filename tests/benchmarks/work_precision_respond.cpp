@@ -2,8 +2,7 @@
 // Time responses: error against seconds for every method, with the reference itself as judge.  Prints
 // case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples spread in logarithm,
 // seconds are of processor time, for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the
-// unit F(2^20): one real FFT of that length, by FFTW where the machine has it, else by Eigen's kissfft divided by 4,
-// about what FFTW takes.
+// unit F(2^20): one real FFT of that length by Eigen's kissfft, divided by 4, about what FFTW takes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,10 +11,6 @@
 #include <string>
 #include <unsupported/Eigen/FFT>
 #include <vector>
-
-#ifdef FRACFIT_HAS_FFTW
-#include <fftw3.h>
-#endif
 
 #include "frac/time_response/reference_response.hpp"
 #include "frac/time_response/respond.hpp"
@@ -95,17 +90,6 @@ void run(const std::string& name, const FractionalTransferFunction& model, std::
 
 constexpr int unit_length = 1 << 20;
 
-#ifdef FRACFIT_HAS_FFTW
-void print_unit() {
-  std::vector<double> time(unit_length, 1.0);
-  std::vector<std::complex<double>> spectrum(unit_length / 2 + 1);
-  const fftw_plan plan =
-      fftw_plan_dft_r2c_1d(unit_length, time.data(), reinterpret_cast<fftw_complex*>(spectrum.data()), FFTW_MEASURE);
-  print("fft", "F(2^20)", "FFTW", std::numeric_limits<double>::quiet_NaN(),
-        median_seconds(7, [&] { fftw_execute(plan); }));
-  fftw_destroy_plan(plan);
-}
-#else
 void print_unit() {
   Eigen::FFT<double> fft;
   std::vector<double> time(unit_length, 1.0);
@@ -113,7 +97,6 @@ void print_unit() {
   print("fft", "F(2^20)", "kissfft/4", std::numeric_limits<double>::quiet_NaN(),
         median_seconds(7, [&] { fft.fwd(spectrum, time); }) / 4);
 }
-#endif
 
 }  // namespace
 
