@@ -35,11 +35,13 @@ bool is_factored(const FractionalTransferFunction& a) {
 }
 
 Factors numerator_factors(const FractionalTransferFunction& a) {
-  return is_factored(a) ? a.numerator_factors() : Factors{{a.numerator(), 1}};
+  if (is_factored(a)) return a.numerator_factors();
+  return {{a.numerator(), 1}};
 }
 
 Factors denominator_factors(const FractionalTransferFunction& a) {
-  return is_factored(a) ? a.denominator_factors() : Factors{{a.denominator(), 1}};
+  if (is_factored(a)) return a.denominator_factors();
+  return {{a.denominator(), 1}};
 }
 
 Factors joined(Factors a, const Factors& b) {
