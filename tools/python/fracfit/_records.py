@@ -292,7 +292,7 @@ def _is_whole(data: Any) -> bool:
     return isinstance(data, (str, os.PathLike, TimeSeries))
 
 
-def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray]:
+def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray, list[tuple[int, int]]]:
     for name, value in (("input", input), ("output", output)):
         if value is None:
             raise ValueError(f"{name} has no value; expected times, input and output, a TimeSeries, or the path of a file")
@@ -306,7 +306,7 @@ def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float |
             raise ValueError(f"{name} has {each.size} samples and input {signal.size}; expected as many")
     if (time is None) == (step is None):
         raise ValueError("expected the times of the samples or sample_time, one of them")
-    return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive
+    return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive, []
 
 
 def _step_of(time: np.ndarray, size: int) -> float:
