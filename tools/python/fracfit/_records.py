@@ -95,7 +95,7 @@ class RecordResponse(_Record, Table):
         return self.omega.size
 
     def frequency_response(self, output: int = 0) -> FrequencyResponse:
-        """Values with their sigma as data, for ``fit(data, model, weight="given")``.
+        """Values with their sigma as data; `fit`, `identify` and the others weigh with it.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class RecordResponse(_Record, Table):
             rows[chosen],
             np.atleast_2d(self.sigma)[chosen],
             unit=self.units[chosen],
-            metadata={"excitation": self.excitation, **({"output": self.names[chosen]} if self.names[chosen] else {})},
+            metadata={"excitation": self.excitation, "sigma": "measured", **({"output": self.names[chosen]} if self.names[chosen] else {})},
         )
 
     def _columns(self) -> dict[str, Any]:
@@ -245,8 +245,9 @@ def response(
     >>> found.excitation, round(found.period, 9)
     ('periodic', 10.0)
     >>> data = found.frequency_response()
-    >>> round(fracfit.fit(data, "K", weight="given")["K"], 2)
-    2.0
+    >>> result = fracfit.fit(data, "K")
+    >>> result.weight, round(result["K"], 2)
+    ('given', 2.0)
     """
     kinds = ("periodic", "stepped-sine", "arbitrary")
     if excitation is not None and text(excitation, "excitation") not in kinds:
