@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "backlash/basins.hpp"
@@ -441,6 +442,33 @@ TEST(SceneIdentification, MeasuredSigmaIsAFloorOfTheScatter) {
     EXPECT_NEAR(twice[k] / known[k], 2, 1e-4);
     EXPECT_GT(known[k], 3 * ratios[k]);
     EXPECT_NEAR(small[k] / small_ratios[k], 1, 1e-4);
+  }
+}
+
+// Noise ten times as large as the deviations that were measured is no error of these, half as large again may be one;
+// of deviations that are in proportion only, nothing is said.
+TEST(SceneIdentification, SaysWhereMeasuredSigmaDoesNotExplainTheResiduals) {
+  support::Random random(35);
+  const auto curves = measured(scene, band_lower, band_upper, 6, 1e-3, random);
+  const auto found = [&](double sigma, bool is_measured) {
+    auto weighed = curves;
+    for (auto& curve : weighed) {
+      std::vector<double> deviation;
+      for (const Complex& z : curve.data.value()) deviation.push_back(sigma * std::abs(z));
+      curve.data = {curve.data.omega(), curve.data.value(), deviation};
+    }
+    auto options = with_mass1(1.5);
+    options.weight = frac::Weight::given;
+    options.sigma_is_measured = is_measured;
+    return identify_scene(weighed, options);
+  };
+  const auto small = found(1e-4, true);
+  ASSERT_EQ(small.misfits.size(), 1U);
+  EXPECT_NE(small.misfits[0].find("times as large as the deviations that were measured"), std::string::npos);
+  EXPECT_FALSE(small.parameters[3].identified);
+  for (const auto& result : {found(1e-4, false), found(1e-3 / 1.5, true), found(1e-3, true)}) {
+    EXPECT_TRUE(result.misfits.empty());
+    EXPECT_TRUE(result.parameters[3].identified);
   }
 }
 

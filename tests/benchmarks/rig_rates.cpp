@@ -5,7 +5,8 @@
 // that is not steady is said to be none.  N is compared with that of the exact motion over the last 12 cycles of a
 // segment; where its first six and its last six differ by more than 0.1 % there is no N to hold.
 // A scene is confidently wrong where something is stated, and each interval stated excludes the truth; far off where
-// one of them misses it by more than twice its reach. Usage: rig_rates [--smoke] [--each] [scenes] [seed]
+// one of them misses it by more than twice its reach.  --hard: the contacts are known to be hard, as they are.
+// Usage: rig_rates [--smoke] [--each] [--hard] [scenes] [seed]
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -199,11 +200,13 @@ void judge(const Case& made, std::uint64_t seed, bool each, Tally& tally) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool each = false, smoke = false;
+  bool each = false, smoke = false, hard = false;
   std::vector<std::uint64_t> numbers;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--each") == 0)
       each = true;
+    else if (std::strcmp(argv[i], "--hard") == 0)
+      hard = true;
     else if (std::strcmp(argv[i], "--smoke") == 0)
       smoke = true;
     else
@@ -214,7 +217,9 @@ int main(int argc, char** argv) {
   Tally tally;
   for (std::uint64_t i = 0; i < scenes; ++i) {
     support::Random random(1'000'000 * seed + i);
-    judge(random_case(random), 1000 * (1'000'000 * seed + i), each, tally);
+    Case made = random_case(random);
+    if (hard) made.options.contact = backlash::ContactModel::hard;
+    judge(made, 1000 * (1'000'000 * seed + i), each, tally);
   }
   std::printf("| segments | number | said not to be steady | intervals of N that hold |\n|---|---|---|---|\n");
   std::printf("| steady | %d | %d | %.1f %% of %d |\n", tally.steady, tally.steady_said,

@@ -230,6 +230,25 @@ def test_responses_of_records(tmp_path):
     shift = np.exp(-0.05j * data.omega)
     squares = np.abs(data.response - 2 * (1 - decay) * shift / (1 - decay * shift)) ** 2 / (2 * data.sigma**2)
     assert abs(np.mean(squares) - 1) < 5 * np.sqrt(3.2 / (2 * data.size))
+    # Fits weigh with a sigma that was measured, here as on the command line.
+    written = tmp_path / "n.csv"
+    written.write_text(command_line.run("response", path, "--format", "csv"))
+    found = command_line.json_of("fit", written, "--model", "K/(T s + 1)")
+    assert found["options"]["weight"] == "given" and fracfit.read(written).sigma_is_measured
+    expected = {each["name"]: each["value"] for each in found["parameters"]}
+    one = fracfit.fit(data, "K/(T s + 1)")
+    assert one.weight == fracfit.fit(fracfit.read(written), "K/(T s + 1)").weight == fracfit.batch([data], "K/(T s + 1)")[0].weight == "given"
+    # Of the same numbers, which the file has to the last digit.
+    assert all(abs(one[name] / value - 1) < 1e-9 for name, value in expected.items())
+    assert fracfit.fit(data, "K/(T s + 1)", weight="learned").weight == "learned"
+    assert fracfit.fit(fracfit.FrequencyResponse(data.omega, data.response, data.sigma), "K/(T s + 1)").weight == "learned"
+    # Seven samples are missing.
+    lines = path.read_text().splitlines(keepends=True)
+    gap = tmp_path / "gap.csv"
+    gap.write_text("".join(lines[:900] + lines[907:]))
+    bridged = fracfit.response(gap)
+    assert any("a gap of 7 samples" in remark for remark in bridged.remarks)
+    same_response(bridged, command_line.columns_of("response", gap))
     for excitation, option in (("arbitrary", {}), ("stepped-sine", {"harmonics": 3}), ("periodic", {"period": 20})):
         if excitation == "stepped-sine":
             time = np.arange(4000) * 0.05

@@ -253,8 +253,12 @@ TEST(ResponseCommand, SaysWhatIsWrongWithARecord) {
   refused(table("time_s,u", 500, {time, sine}), {}, 3, "no output among");
   refused(table("time_s,y", 500, {time, sine}), {}, 3, "no input among");
   refused(table("u,y", 500, {sine, sine}), {}, 3, "no time column");
-  refused(table("time_s,u,y", 500, {[](double i) { return i < 250 ? i : i + 7; }, sine, sine}), {}, 3,
-          "before sample 251");
+  refused(table("time_s,u,y", 500, {[](double i) { return i < 250 ? i : i + 6.4; }, sine, sine}), {}, 3,
+          "a gap of 7.4 steps of 1 s stands before sample 251");
+  support::Random generator(6);
+  const auto random = [&](double) { return generator.normal(); };
+  refused(table("time_s,u,y", 500, {[](double i) { return i < 250 ? i : i + 6; }, random, random}), {}, 3,
+          "a gap of 6 samples, over which an arbitrary excitation does not go on");
   refused(table("time_s,u,y", 500, {[](double i) { return std::min(i, 499.0 - i); }, sine, sine}), {}, 3,
           "times that rise");
   refused(table("time_s,u,y", 10, {time, sine, sine}), {}, 3, "at least 16");
@@ -271,6 +275,26 @@ TEST(ResponseCommand, SaysWhatIsWrongWithARecord) {
   // A stepped sine with no segment.
   refused(table("time_s,u,y", 500, {time, [](double i) { return std::sin(0.001 * i * i); }, sine}),
           {"--excitation", "stepped-sine"}, 1, "no line or segment");
+}
+
+// Six samples of a sine are missing: one point, and its gain to the noise that is put on it.
+TEST(ResponseCommand, GoesOnOverAGap) {
+  const TemporaryFolder folder;
+  support::Random random(5);
+  const auto place = [](double i) { return i < 1000 ? i : i + 6; };
+  const auto sine = [&](double i) { return std::sin(0.1 * place(i)); };
+  const auto file = folder.write("gap.csv", table("time_s,u,y", 3000,
+                                                  {[&](double i) { return 0.01 * place(i); }, sine,
+                                                   [&](double i) { return 2 * sine(i) + 0.01 * random.normal(); }}));
+  const auto result = run_fracfit({"response", file, "--format", "json"});
+  const auto found = rows_of(result);
+  ASSERT_EQ(found.at("rows").size(), 1U);
+  const double sigma = found.at("rows")[0].at("sigma");
+  EXPECT_NEAR(found.at("rows")[0].at("re").get<double>(), 2, 5 * sigma);
+  EXPECT_LT(sigma, 0.001);
+  // More than the longer side holds.
+  EXPECT_GT(found.at("rows")[0].at("periods").get<double>(), 2000 * 0.1 / (2 * pi));
+  EXPECT_NE(result.error.find("a gap of 6 samples"), std::string::npos) << result.error;
 }
 
 TEST(ResponseCommand, SaysClippingJitterAndUnsteadiness) {

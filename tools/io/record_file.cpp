@@ -100,6 +100,10 @@ Signals signals_of_table(const std::string& file, const std::shared_ptr<const st
     }));
   }
   signals.values.resize(signals.names.size());
+  // Vectors that grow hold up to three times as much.
+  const auto lines = static_cast<std::size_t>(std::count(text->begin(), text->end(), '\n'));
+  for (std::size_t i = 0; i < signals.values.size(); ++i)
+    if (is_wanted[i]) signals.values[i].reserve(lines);
   std::size_t left_out = 0;
   table.for_each_row([&](const TextTable::Row& row) {
     if (event && row.fields[*event] != "sample") {
@@ -137,35 +141,51 @@ Signals signals_in(const std::string& file, const std::vector<std::pair<std::str
   return signals_of_table(file, text.text, told, notes);
 }
 
-/// Step of times that rise by equal steps.
-double step_of(const std::string& file, const std::vector<double>& time, double seconds,
+struct Clock {
+  double step = 0;  // s
+  std::vector<frac::RecordGap> gaps;
+};
+
+/// Step of times that rise by equal steps, but for samples that are missing.
+Clock clock_of(const std::string& file, const std::vector<double>& time, double seconds,
                std::vector<std::string>& notes) {
   if (time.size() < 2)
     throw DataError(file, 0, 0, "found " + std::to_string(time.size()) + " samples; expected at least 16");
   std::vector<double> steps;
+  // Of a long record some tell their middle.
+  const std::size_t stride = 1 + time.size() / (1 << 17);
   for (std::size_t i = 1; i < time.size(); ++i) {
     if (!(time[i] > time[i - 1]))
       throw DataError(file, 0, 0,
                       "sample " + std::to_string(i + 1) + " has the time " + format_number(time[i]) + " after " +
                           format_number(time[i - 1]) + "; expected times that rise");
-    steps.push_back(time[i] - time[i - 1]);
+    if (i % stride == 0) steps.push_back(time[i] - time[i - 1]);
   }
-  const auto longest = std::max_element(steps.begin(), steps.end());
-  const std::string gap_before = std::to_string(longest - steps.begin() + 2);
-  const double longest_step = *longest;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  // A missing sample makes a step of two.
-  constexpr double most_steps = 1.5;
-  if (longest_step > most_steps * *middle)
-    throw DataError(file, 0, 0,
-                    "a gap of " + format_number(std::round(100 * longest_step / *middle) / 100) + " steps of " +
-                        format_number(*middle * seconds) + " s stands before sample " + gap_before +
-                        "; expected equal steps, or a file for each side of the gap");
-  const double step = (time.back() - time.front()) / static_cast<double>(steps.size());
+  Clock clock;
+  std::size_t missing = 0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    // A missing sample makes a step of two.
+    constexpr double most_steps = 1.5, most_beside = 0.25;
+    const double length = (time[i] - time[i - 1]) / *middle;
+    if (!(length > most_steps)) continue;
+    constexpr double longest = 1e9;
+    if (std::abs(length - std::round(length)) > most_beside || length > longest)
+      throw DataError(
+          file, 0, 0,
+          "a gap of " + format_number(std::round(100 * length) / 100) + " steps of " +
+              format_number(*middle * seconds) + " s stands before sample " + std::to_string(i + 1) +
+              "; expected equal steps, a gap of a whole number of them, or a file for each side of the gap");
+    clock.gaps.push_back({i, static_cast<std::size_t>(std::round(length)) - 1});
+    missing += clock.gaps.back().missing;
+  }
+  const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1 + missing);
   double squares = 0;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    const double late = (time[i] - time.front()) / step - static_cast<double>(i);
+  std::size_t place = 0, gap = 0;
+  for (std::size_t i = 0; i < time.size(); ++i, ++place) {
+    if (gap < clock.gaps.size() && clock.gaps[gap].before == i) place += clock.gaps[gap++].missing;
+    const double late = (time[i] - time.front()) / step - static_cast<double>(place);
     squares += late * late;
     if (std::abs(late) > 0.5)
       throw DataError(file, 0, 0,
@@ -178,7 +198,8 @@ double step_of(const std::string& file, const std::vector<double>& time, double 
   if (jitter > rounding)
     notes.push_back("the clock jitters by " + format_number(std::round(1e4 * jitter) / 1e4) +
                     " of a step (rms); samples are taken at equal steps");
-  return step * seconds;
+  clock.step = step * seconds;
+  return clock;
 }
 
 }  // namespace
@@ -246,13 +267,13 @@ RecordFile read_record(const std::string& file, const RecordReadOptions& options
             "no " + what + " among " + shortened_list(signals.names) + "; expected " + names +
                 ", or --columns such as time=1,input=2,output=3"};
   };
-  double sample_time = options.sample_time.value_or(0);
+  Clock clock{options.sample_time.value_or(0), {}};
   const auto time = columns_for("time");
   if (!options.sample_time) {
     if (time.empty()) throw missing("time column", "time_s or t, --sample-time");
     const std::string& name = signals.names[time[0]];
     const double seconds = seconds_per(shown, name, column_of(name).unit, notes);
-    sample_time = step_of(shown, signals.values[time[0]], seconds, notes);
+    clock = clock_of(shown, signals.values[time[0]], seconds, notes);
   }
   const auto outputs = columns_for("output");
   if (outputs.empty()) throw missing("output", "output or y");
@@ -263,6 +284,7 @@ RecordFile read_record(const std::string& file, const RecordReadOptions& options
     input_name = signals.names[inputs[0]];
     input_unit = column_of(input_name).unit;
     input = std::move(signals.values[inputs[0]]);
+    if (!time.empty()) signals.values[time[0]] = {};
   } else {
     const auto number_of = [&](std::string_view key) {
       const auto text = find_value(signals.metadata, key);
@@ -285,8 +307,9 @@ RecordFile read_record(const std::string& file, const RecordReadOptions& options
   }
   const auto references = columns_for("reference");
   try {
-    return {frac::Record(sample_time, std::move(input), std::move(values),
-                         references.empty() ? std::vector<double>{} : std::move(signals.values[references[0]])),
+    return {frac::Record(clock.step, std::move(input), std::move(values),
+                         references.empty() ? std::vector<double>{} : std::move(signals.values[references[0]]),
+                         std::move(clock.gaps)),
             input_name,
             std::move(names),
             std::move(input_unit),

@@ -39,7 +39,7 @@ struct RecordFile {
 /// Of a table with a column `event`, as fracfit history writes it, the rows `sample` count, and where it has no input,
 /// that is the force F cos(w t) of its head.
 /// @throws DataError  as TextTable; a column missing; a field that is no finite number; times that do not rise, or not
-///                    by equal steps to within half a step; a record that frac::Record refuses.
+///                    by equal steps to within half a step, gaps of whole steps apart; a record that frac::Record refuses.
 [[nodiscard]] RecordFile read_record(const std::string& file, const RecordReadOptions& options = {});
 
 }  // namespace io

@@ -18,6 +18,7 @@
 #include "scene_data.hpp"
 #include "scene_search.hpp"
 #include "scene_uncertainty.hpp"
+#include "special/distributions.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
 namespace backlash {
@@ -183,6 +184,20 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
 }
 
+// Whether residuals over deviations that were measured are larger than errors of these explain, once in a thousand,
+// were they all from one estimate of the fewest degrees of freedom that response() has.  Less only widens the
+// intervals.
+std::optional<std::string> excess(const detail::NormalEquations& equations, std::size_t parameters) {
+  constexpr double fewest_degrees = 9, chance = 1e-3;
+  if (equations.residuals <= parameters) return std::nullopt;
+  const auto degrees = static_cast<double>(equations.residuals - parameters);
+  // A deviation of Student's distribution is larger than that of the normal one by this variance.
+  const double ratio = equations.cost / degrees * fewest_degrees / (fewest_degrees - 2);
+  if (frac::detail::fisher_f_above(ratio, degrees, fewest_degrees) >= chance) return std::nullopt;
+  return "The residuals are " + frac::detail::short_text(std::sqrt(equations.cost / degrees)) +
+         " times as large as the deviations that were measured.";
+}
+
 // longest: limit of the contact time, s, 0 of hard contacts
 std::string contact_text(const SceneIdentification& result, double longest) {
   using frac::detail::short_text;
@@ -335,6 +350,8 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     const detail::SceneAdequacy adequacy = detail::scene_adequacy(data, found.best.choices, known.bounds.free_count());
     result.misfits = adequacy.misfits;
     result.residual_correlation = adequacy.correlation;
+    if (options.sigma_is_measured)
+      if (const auto misfit = excess(equations, known.bounds.free_count())) result.misfits.push_back(*misfit);
     // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     const double least_variance = options.sigma_is_measured ? 1 : 0;

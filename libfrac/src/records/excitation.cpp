@@ -11,6 +11,7 @@
 #include "base/median.hpp"
 #include "frac/cancellation.hpp"
 #include "records/chirp_transform.hpp"
+#include "records/fold.hpp"
 #include "records/sine_period.hpp"
 #include "records/whole_periods.hpp"
 #include "special/distributions.hpp"
@@ -169,6 +170,12 @@ std::string_view to_string(Excitation excitation) {
 
 std::optional<double> period_of(const std::vector<double>& signal) {
   constexpr double larger_share = 0.5;
+  if (signal.size() > detail::long_record) {
+    // The beginning tells a period of whole samples as well.
+    const auto found = period_of({signal.begin(), signal.begin() + detail::long_record});
+    if (found && *found == std::round(*found) && detail::keeps_to(signal, static_cast<std::size_t>(*found)))
+      return found;
+  }
   const std::vector<double> correlation = correlation_of(signal);
   std::size_t first = 0;
   while (first < correlation.size() && correlation[first] > larger_share) ++first;
@@ -199,9 +206,11 @@ std::vector<SineSegment> sine_segments(const std::vector<double>& signal) {
   const double mean = mean_of(signal);
   std::vector<double> bends;
   double power = 0;
+  // Of a long signal some tell the noise.
+  const std::size_t stride = 1 + signal.size() / detail::long_record;
   for (std::size_t i = 0; i < signal.size(); ++i) {
     power += (signal[i] - mean) * (signal[i] - mean);
-    if (i > 0 && i + 1 < signal.size())
+    if (i > 0 && i + 1 < signal.size() && i % stride == 0)
       bends.push_back(std::abs(signal[i - 1] - 2 * signal[i] + signal[i + 1]) / std::sqrt(6.0));
   }
   // A passage counts where the signal then leaves the noise; of few samples per cycle the bends are the signal's own.

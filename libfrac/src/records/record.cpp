@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -25,11 +26,12 @@ void require_signal(const std::string& name, const std::vector<double>& signal, 
 }  // namespace
 
 Record::Record(double sample_time, std::vector<double> input, std::vector<std::vector<double>> outputs,
-               std::vector<double> reference)
+               std::vector<double> reference, std::vector<RecordGap> gaps)
     : sample_time_(sample_time),
       input_(std::move(input)),
       outputs_(std::move(outputs)),
-      reference_(std::move(reference)) {
+      reference_(std::move(reference)),
+      gaps_(std::move(gaps)) {
   if (!(sample_time > 0) || !std::isfinite(sample_time))
     throw std::invalid_argument("sample_time is " + detail::number_text(sample_time) +
                                 "; expected a finite number > 0");
@@ -42,6 +44,13 @@ Record::Record(double sample_time, std::vector<double> input, std::vector<std::v
   for (std::size_t i = 0; i < outputs_.size(); ++i)
     require_signal("outputs[" + std::to_string(i) + "]", outputs_[i], input_.size());
   if (!reference_.empty()) require_signal("reference", reference_, input_.size());
+  std::size_t earlier = 0;
+  for (std::size_t i = 0; i < gaps_.size(); earlier = gaps_[i].before, ++i)
+    if (gaps_[i].before <= earlier || gaps_[i].before >= size() || gaps_[i].missing == 0)
+      throw std::invalid_argument("gaps[" + std::to_string(i) + "] is " + std::to_string(gaps_[i].missing) +
+                                  " samples before sample " + std::to_string(gaps_[i].before) +
+                                  "; expected at least one sample, before one of " + std::to_string(earlier + 1) +
+                                  " to " + std::to_string(size() - 1));
   const auto [least, most] = std::minmax_element(drive().begin(), drive().end());
   if (*least == *most)
     throw std::invalid_argument((reference_.empty() ? "input is " : "reference is ") + detail::number_text(*least) +
@@ -64,21 +73,37 @@ Record Record::part(std::size_t first, std::size_t count) const {
 bool is_clipped(const std::vector<double>& signal) {
   constexpr std::size_t few_levels = 8;
   constexpr double most_of_sinusoid = 2.42;
-  std::vector<double> sorted = signal;
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<std::pair<double, double>> levels;  // value and count
-  for (const double value : sorted) {
-    if (levels.empty() || levels.back().first != value)
-      levels.emplace_back(value, 1);
-    else
-      ++levels.back().second;
+  std::vector<double> levels;  // the first ones met
+  // Value and count of the outermost level and of the next one, on either side.
+  struct Level {
+    double value, count = 0;
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Level least{infinity}, above_least{infinity}, most{-infinity}, below_most{-infinity};
+  for (const double value : signal) {
+    if (levels.size() < few_levels && std::find(levels.begin(), levels.end(), value) == levels.end())
+      levels.push_back(value);
+    if (value < least.value) {
+      above_least = least;
+      least = {value};
+    } else if (value > least.value && value < above_least.value) {
+      above_least = {value};
+    }
+    if (value > most.value) {
+      below_most = most;
+      most = {value};
+    } else if (value < most.value && value > below_most.value) {
+      below_most = {value};
+    }
+    for (Level* each : {&least, &above_least, &most, &below_most})
+      if (value == each->value) ++each->count;
   }
   if (levels.size() < few_levels) return false;
   // Counts scatter by their root: four deviations of the difference.
   const auto sticks = [](double outermost, double next) {
     return outermost - most_of_sinusoid * next > 4 * std::sqrt(outermost + most_of_sinusoid * most_of_sinusoid * next);
   };
-  return sticks(levels.back().second, levels[levels.size() - 2].second) || sticks(levels[0].second, levels[1].second);
+  return sticks(most.count, below_most.count) || sticks(least.count, above_least.count);
 }
 
 }  // namespace frac

@@ -8,6 +8,8 @@
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "records/estimators.hpp"
+#include "records/fold.hpp"
+#include "records/gaps.hpp"
 #include "special/distributions.hpp"
 
 namespace frac {
@@ -64,10 +66,22 @@ double chance_of_halves(const Estimated& first, const Estimated& second) {
   return detail::fisher_f_above(sum / static_cast<double>(count), 2 * static_cast<double>(count), degrees_below);
 }
 
+/// Of a record that may be long: its periods are folded onto some of them.
+Estimated periodic_estimate(const Record& record, std::size_t first, std::size_t count, double length) {
+  const auto fold = detail::folded(record, first, count, length);
+  if (!fold) return detail::periodic_response(count == record.size() ? record : record.part(first, count), length);
+  Estimated estimated = detail::periodic_response(fold->record, length);
+  const auto blocks = static_cast<double>(fold->blocks);
+  estimated.periods *= blocks;
+  for (auto& points : estimated.outputs)
+    for (ResponsePoint& point : points) point.periods *= blocks;
+  return estimated;
+}
+
 Estimated estimate(const Record& record, Excitation excitation, double length, const ResponseOptions& options) {
   switch (excitation) {
     case Excitation::periodic:
-      return detail::periodic_response(record, length);
+      return periodic_estimate(record, 0, record.size(), length);
     case Excitation::stepped_sine:
       return detail::stepped_sine_response(record, sine_segments(record.drive()), options.harmonics);
     case Excitation::arbitrary:
@@ -144,8 +158,96 @@ bool ResponseEstimate::usable() const {
   });
 }
 
+namespace {
+
+const Record& longest_of(const std::vector<Record>& records) {
+  return *std::max_element(records.begin(), records.end(),
+                           [](const Record& a, const Record& b) { return a.size() < b.size(); });
+}
+
+std::string gaps_text(const Record& record) {
+  std::size_t missing = 0;
+  for (const RecordGap& gap : record.gaps()) missing += gap.missing;
+  const std::size_t count = record.gaps().size();
+  return (count == 1 ? "a gap" : std::to_string(count) + " gaps") + " of " + std::to_string(missing) +
+         (missing == 1 ? " sample" : " samples") + (count == 1 ? "" : " in all");
+}
+
+/// Of records some of which have gaps.
+ResponseEstimate response_over_gaps(const std::vector<Record>& records, const ResponseOptions& options) {
+  std::vector<std::vector<Record>> parts;
+  for (const Record& record : records) {
+    parts.push_back(detail::stretches(record));
+    if (parts.back().empty())
+      throw std::invalid_argument("the record has " + gaps_text(record) +
+                                  ", and no stretch of 16 samples between them; expected one");
+  }
+  ResponseOptions told = options;
+  if (!told.excitation) told.excitation = told.period ? Excitation::periodic : excitation_of(longest_of(parts.front()));
+  std::vector<std::string> remarks;
+  ResponseEstimate result;
+  switch (*told.excitation) {
+    case Excitation::arbitrary:
+      throw std::invalid_argument(
+          "the record has " + gaps_text(records.front()) +
+          ", over which an arbitrary excitation does not go on; expected a record for each side");
+    case Excitation::periodic: {
+      const Record& longest = longest_of(parts.front());
+      const auto period =
+          told.period ? std::optional(*told.period / longest.sample_time()) : period_of(longest.drive());
+      const std::size_t whole = period ? detail::whole_samples(*period, longest.size()) : 0;
+      std::vector<Record> bridged;
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        if (records[i].gaps().empty()) {
+          bridged.push_back(records[i]);
+        } else if (whole > 0) {
+          bridged.push_back(detail::joined(records[i], whole));
+          remarks.push_back("the record has " + gaps_text(records[i]) +
+                            ": the period goes on over it, and both sides count");
+        } else {
+          bridged.push_back(longest_of(parts[i]));
+          remarks.push_back(
+              "the record has " + gaps_text(records[i]) +
+              ", over which a period that is no whole number of samples is not followed: the longest stretch counts, " +
+              std::to_string(bridged.back().size()) + " samples");
+        }
+      }
+      if (whole > 0) told.period = static_cast<double>(whole) * longest.sample_time();
+      result = response(bridged, told);
+      break;
+    }
+    case Excitation::stepped_sine:
+      result.outputs.resize(records.front().outputs().size());
+      result.excitation = Excitation::stepped_sine;
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        ResponseEstimate of_record;
+        of_record.outputs.resize(result.outputs.size());
+        for (const Record& part : parts[i]) {
+          const ResponseEstimate of_part = response({part}, told);
+          detail::join_segments(of_part.outputs, of_record.outputs);
+          result.periods += of_part.periods;
+          for (const auto& remark : of_part.remarks)
+            if (std::find(remarks.begin(), remarks.end(), remark) == remarks.end()) remarks.push_back(remark);
+        }
+        for (std::size_t output = 0; output < result.outputs.size(); ++output)
+          result.outputs[output].insert(result.outputs[output].end(), of_record.outputs[output].begin(),
+                                        of_record.outputs[output].end());
+        if (!records[i].gaps().empty())
+          remarks.push_back("the record has " + gaps_text(records[i]) +
+                            ": a segment that goes on after it is one point");
+      }
+      break;
+  }
+  result.remarks.insert(result.remarks.begin(), remarks.begin(), remarks.end());
+  return result;
+}
+
+}  // namespace
+
 ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options) {
   check(records, options);
+  if (std::any_of(records.begin(), records.end(), [](const Record& each) { return !each.gaps().empty(); }))
+    return response_over_gaps(records, options);
   ResponseEstimate result;
   result.realisations = records.size();
   const Record& first = records.front();
@@ -201,9 +303,8 @@ ResponseEstimate response(const std::vector<Record>& records, const ResponseOpti
     constexpr std::size_t fewest_samples = 16;
     const std::size_t half = first.size() / 2;
     if (result.periods >= 4 && half >= fewest_samples) {
-      const double chance =
-          chance_of_halves(estimate(first.part(0, half), result.excitation, length, options),
-                           estimate(first.part(first.size() - half, half), result.excitation, length, options));
+      const double chance = chance_of_halves(periodic_estimate(first, 0, half, length),
+                                             periodic_estimate(first, first.size() - half, half, length));
       constexpr double level = 1e-3;
       if (chance < level)
         result.remarks.push_back(

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands/subcommand.hpp"
@@ -166,14 +167,14 @@ class Response : public Command {
     return columns;
   }
 
-  [[nodiscard]] io::Metadata head_of(const io::RecordFile& file, const frac::ResponseEstimate& found,
-                                     const Table& table) const {
+  [[nodiscard]] io::Metadata head_of(const io::RecordFile& file, double sample_time,
+                                     const frac::ResponseEstimate& found, const Table& table) const {
     io::Metadata head;
     for (const auto& name : files_) head.emplace_back("source", name);
     head.emplace_back("input", file.input);
     for (const auto& name : file.outputs) head.emplace_back("output", name);
     head.emplace_back("excitation", std::string(to_string(found.excitation)));
-    head.emplace_back("sample_time_s", io::format_number(file.record.sample_time()));
+    head.emplace_back("sample_time_s", io::format_number(sample_time));
     if (found.excitation == frac::Excitation::periodic) head.emplace_back("period_s", io::format_number(found.period));
     if (found.excitation != frac::Excitation::arbitrary) head.emplace_back("periods", io::format_number(found.periods));
     head.emplace_back(io::sigma_key, io::sigma_is_measured);
@@ -188,16 +189,29 @@ class Response : public Command {
     return head;
   }
 
+  [[nodiscard]] frac::ResponseEstimate estimated(const std::vector<frac::Record>& records) const {
+    // Where nothing is told of the excitation, a record with gaps that is refused is at fault.
+    const bool is_told =
+        choice_.excitation || choice_.period ||
+        std::all_of(records.begin(), records.end(), [](const auto& each) { return each.gaps().empty(); });
+    if (is_told) return frac::response(records, choice_);
+    try {
+      return frac::response(records, choice_);
+    } catch (const std::invalid_argument& error) {
+      throw io::DataError(files_.front(), 0, 0, error.what());
+    }
+  }
+
   int run() override {
     std::vector<frac::Record> records;
     std::optional<io::RecordFile> first;
     for (const auto& name : files_) {
       io::RecordFile file = io::read_record(name, read_);
       for (const auto& note : file.notes) say(name + ": " + note);
-      records.push_back(file.record);
+      records.push_back(std::move(file.record));
       if (!first) first.emplace(std::move(file));
     }
-    const frac::ResponseEstimate found = frac::response(records, choice_);
+    const frac::ResponseEstimate found = estimated(records);
     options()["--excitation"].say(std::string(to_string(found.excitation)));
     if (found.excitation == frac::Excitation::periodic) options()["--period"].say(io::format_number(found.period));
     for (const auto& remark : found.remarks) say(files_.front() + ": " + remark);
@@ -212,7 +226,7 @@ class Response : public Command {
       say(files_.front() + ": " + std::to_string(table.left_out.size()) + " points are left out, the first at " +
           io::format_number(table.left_out.front().first) + " rad/s: " + table.left_out.front().second);
 
-    Document document{head_of(*first, found, table), {}, {}};
+    Document document{head_of(*first, records.front().sample_time(), found, table), {}, {}};
     const auto& points = found.outputs.front();
     const bool is_stepped = found.excitation == frac::Excitation::stepped_sine;
     const std::vector<double> level = levels(points, table);

@@ -172,6 +172,11 @@ class FrequencyResponse(_Samples):
         """The metadata name a computation that made the values: they have no noise."""
         return "computed_by" in self.metadata or self.metadata.get("command", "").startswith("fracfit simulate ")
 
+    @property
+    def sigma_is_measured(self) -> bool:
+        """The metadata say that sigma was measured, as `response` does: fits are weighed with it unless told otherwise."""
+        return self._sigma is not None and self.metadata.get("sigma") == "measured"
+
     def where(self, *conditions: Any) -> FrequencyResponse:
         """The points that satisfy all conditions.
 

@@ -290,6 +290,13 @@ class FitResult(Table, FitResultNumbers):
         """Whether the fit follows the data to within their noise: adequate, misfit, p_value, noise, correlation."""
         return _fitting.lack_of_fit(self._data_arrays(), self._request(), self._values)
 
+    @property
+    def weight(self) -> str | None:
+        """What residuals were divided by, as of `fit`; of samples over time "given" or "absolute"."""
+        if isinstance(self._data, TimeSeries):
+            return "absolute" if self._data.sigma is None else "given"
+        return self._options.get("weight")
+
     def plot(self, **options: Any) -> Any:
         """Data and fit in one picture, with matplotlib; see `fracfit.plots.plot_fit`."""
         from .plots import plot_fit
@@ -469,7 +476,7 @@ def fit(
     *,
     grow: str | None = None,
     component: str = "both",
-    weight: str = "learned",
+    weight: str | None = None,
     loss: str = "none",
     outliers: str = "leave-out",
     fixed: Known = None,
@@ -508,7 +515,8 @@ def fit(
         Part of a response that is fitted.  Where the real part is 0 at every frequency, "both" is "imaginary", and a
         warning says so.
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
-        What residuals are divided by.  Over time the sigma of the record counts where it has one.
+        What residuals are divided by; by default "given" where `sigma_is_measured`, else "learned".  Over time the sigma
+        of the record counts where it has one.
     loss : {"none", "huber", "cauchy"}
         Robust loss on each residual.
     outliers : {"leave-out", "keep"}
@@ -572,7 +580,7 @@ def fit(
     options = {
         "grow": None if grow is None else text(grow, "grow"),
         "component": component,
-        "weight": weight,
+        "weight": weight_of(weight, [data]),
         "loss": loss,
         "outliers": outliers,
         "realisation": realisation_of(realisation),
@@ -601,6 +609,13 @@ def fit(
     return result
 
 
+def weight_of(given: str | None, data: Sequence[FrequencyResponse | TimeSeries], otherwise: str = "learned") -> str:
+    """The weight that is told, else that of a sigma that was measured in all responses."""
+    responses = [each for each in data if isinstance(each, FrequencyResponse)]
+    measured = bool(responses) and all(each.sigma_is_measured for each in responses)
+    return given if given is not None else "given" if measured else otherwise
+
+
 def _is_values(given: Any) -> bool:
     """Whether the second argument is an array, and the first one its frequencies."""
     return given is not None and not isinstance(given, (str, Model)) and (hasattr(given, "__array__") or isinstance(given, (list, tuple)))
@@ -624,7 +639,8 @@ def _refuse_idle(data: Any, options: Mapping[str, Any], function: Any) -> None:
     # A record is weighted so in any case.
     idle_weights = ("absolute" if data.sigma is None else "given",) if over_time else ()
     for name in _OF_RESPONSES if over_time else _OF_RECORDS:
-        default = EXACT if name == "realisation" else function.__kwdefaults__.get(name)
+        defaults = {"realisation": EXACT, "weight": "learned"}
+        default = defaults[name] if name in defaults else function.__kwdefaults__.get(name)
         if options.get(name) != default and options[name] not in idle_weights:
             kind = "samples over time" if over_time else "a frequency response"
             raise ValueError(f"{name} = {options[name]!r} has no meaning with {kind}")
@@ -735,6 +751,7 @@ def batch(
         if key not in (*known, *beforehand):
             raise TypeError(f"batch() has no argument {key!r}{meant(key, (*known, *beforehand))}; as of fit it takes {', '.join((*known, *beforehand))}")
         request[key] = realisation_of(value) if key == "realisation" else value
+    request["weight"] = weight_of(request.get("weight"), curves)
     request.update(_known(starts, *(options.get(key) for key in beforehand)))
     found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
     errors = {i: each for i, each in enumerate(found) if isinstance(each, str)}
@@ -834,7 +851,7 @@ def identify(
     curves: Mapping[str, Any] | None = None,
     threads: int = 0,
     component: str = "both",
-    weight: str = "learned",
+    weight: str | None = None,
     loss: str = "none",
     outliers: str = "leave-out",
     realisation: Mapping[str, Any] | None = None,
@@ -870,7 +887,7 @@ def identify(
     names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,
-        "weight": weight,
+        "weight": weight_of(weight, [data]),
         "loss": loss,
         "outliers": outliers,
         "realisation": realisation_of(realisation),
@@ -1112,7 +1129,7 @@ def identify_scene(
     bounds: Limits = None,
     body: str = "x1",
     component: str = "both",
-    weight: str = "relative",
+    weight: str | None = None,
     contact: str = "auto",
     threads: int = 0,
     fix: Known = None,
@@ -1133,7 +1150,7 @@ def identify_scene(
     component : {"both", "real", "imaginary"}
         Part that is fitted.
     weight : {"relative", "given", "absolute"}
-        What residuals are divided by.
+        What residuals are divided by; by default "given" where the sigma of all curves was measured, else "relative".
     contact : {"auto", "hard", "compliant"}
         Hard contacts take no time; the others have a stiffness and a damping, which are estimated.  The intervals of
         "auto" hold for both.
@@ -1151,11 +1168,13 @@ def identify_scene(
     forces = real_array(np.atleast_1d(force), "force")
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
+    chosen = weight_of(weight, curves, "relative")
     request = {
         **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
         "body": text(body, "body"),
         "component": text(component, "component"),
-        "weight": text(weight, "weight"),
+        "weight": text(chosen, "weight"),
+        "sigma_is_measured": chosen == "given" and all(curve.sigma_is_measured for curve in curves),
         "contact": text(contact, "contact"),
         "threads": count(threads, "threads"),
     }

@@ -10,7 +10,7 @@ import numpy as np
 from ._arrays import count, mapping, number, real_array, seed_number, text, texts
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of
-from ._fit import Known, Limits, Priors, _described, _fitting, _known, _one_of, _structure
+from ._fit import Known, Limits, Priors, _described, _fitting, _known, _one_of, _structure, weight_of
 from ._model import Model, _Record, realisation_of
 from ._numbers import JointFitNumbers, JumpLawNumbers
 from ._tables import Table
@@ -105,7 +105,7 @@ def joint_fit(
     reference: int | str = 0,
     names: Sequence[str] | None = None,
     component: str = "both",
-    weight: str = "learned",
+    weight: str | None = None,
     loss: str = "none",
     fixed: Known = None,
     bounds: Limits = None,
@@ -173,7 +173,7 @@ def joint_fit(
         raise ValueError(f"shift is {shift!r}; expected horizontal or both")
     options = {
         "component": component,
-        "weight": weight,
+        "weight": weight_of(weight, curves),
         "loss": loss,
         "realisation": realisation_of(realisation),
         "offset": None if offset is None else number(offset, "offset"),

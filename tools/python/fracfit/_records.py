@@ -95,7 +95,7 @@ class RecordResponse(_Record, Table):
         return self.omega.size
 
     def frequency_response(self, output: int = 0) -> FrequencyResponse:
-        """Values with their sigma as data, for ``fit(data, model, weight="given")``.
+        """Values with their sigma as data; `fit`, `identify` and the others weigh with it.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class RecordResponse(_Record, Table):
             rows[chosen],
             np.atleast_2d(self.sigma)[chosen],
             unit=self.units[chosen],
-            metadata={"excitation": self.excitation, **({"output": self.names[chosen]} if self.names[chosen] else {})},
+            metadata={"excitation": self.excitation, "sigma": "measured", **({"output": self.names[chosen]} if self.names[chosen] else {})},
         )
 
     def _columns(self) -> dict[str, Any]:
@@ -245,8 +245,9 @@ def response(
     >>> found.excitation, round(found.period, 9)
     ('periodic', 10.0)
     >>> data = found.frequency_response()
-    >>> round(fracfit.fit(data, "K", weight="given")["K"], 2)
-    2.0
+    >>> result = fracfit.fit(data, "K")
+    >>> result.weight, round(result["K"], 2)
+    ('given', 2.0)
     """
     kinds = ("periodic", "stepped-sine", "arbitrary")
     if excitation is not None and text(excitation, "excitation") not in kinds:
@@ -292,7 +293,7 @@ def _is_whole(data: Any) -> bool:
     return isinstance(data, (str, os.PathLike, TimeSeries))
 
 
-def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray]:
+def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray, list[tuple[int, int]]]:
     for name, value in (("input", input), ("output", output)):
         if value is None:
             raise ValueError(f"{name} has no value; expected times, input and output, a TimeSeries, or the path of a file")
@@ -306,7 +307,7 @@ def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float |
             raise ValueError(f"{name} has {each.size} samples and input {signal.size}; expected as many")
     if (time is None) == (step is None):
         raise ValueError("expected the times of the samples or sample_time, one of them")
-    return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive
+    return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive, []
 
 
 def _step_of(time: np.ndarray, size: int) -> float:

@@ -71,8 +71,10 @@ py::dict raw_record(const std::string& path, const std::string& columns, const s
   for (const auto& output : file.record.outputs()) outputs.append(array_of(output));
   for (const auto& unit : file.units) units.append(io::written_unit(unit));
   py::dict result;
+  py::list gaps;
+  for (const auto& gap : file.record.gaps()) gaps.append(py::make_tuple(gap.before, gap.missing));
   result["record"] = py::make_tuple(file.record.sample_time(), array_of(file.record.input()), outputs,
-                                    array_of(file.record.reference()));
+                                    array_of(file.record.reference()), gaps);
   result["names"] = file.outputs;
   result["units"] = units;
   result["input_unit"] = file.input_unit;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -17,14 +18,17 @@
 namespace python {
 namespace {
 
-// Sample time, input, outputs, and a reference or nothing.
-using Signals = std::tuple<double, Reals, std::vector<Reals>, Reals>;
+// Sample time, input, outputs, a reference or nothing, and pairs of the first sample after a gap and of how many it
+// lacks.
+using Signals = std::tuple<double, Reals, std::vector<Reals>, Reals, std::vector<std::pair<std::size_t, std::size_t>>>;
 
 frac::Record record_of(const Signals& signals) {
-  const auto& [sample_time, input, outputs, reference] = signals;
+  const auto& [sample_time, input, outputs, reference, gaps] = signals;
   std::vector<std::vector<double>> answers;
+  std::vector<frac::RecordGap> missing;
+  for (const auto& [before, count] : gaps) missing.push_back({before, count});
   for (const Reals& output : outputs) answers.push_back(vector_of(output));
-  return {sample_time, vector_of(input), std::move(answers), vector_of(reference)};
+  return {sample_time, vector_of(input), std::move(answers), vector_of(reference), std::move(missing)};
 }
 
 template <typename All>

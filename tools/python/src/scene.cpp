@@ -20,6 +20,7 @@ py::dict identified(const py::list& curves, const std::vector<double>& forces, c
   options.output = backlash::output_from_string(given["body"].cast<std::string>());
   options.component = frac::component_from_string(given["component"].cast<std::string>());
   options.weight = frac::weight_from_string(given["weight"].cast<std::string>());
+  options.sigma_is_measured = given["sigma_is_measured"].cast<bool>();
   options.contact = backlash::contact_model_from_string(given["contact"].cast<std::string>());
   options.constraints = constraints_of({}, given);
   options.threads = given["threads"].cast<int>();

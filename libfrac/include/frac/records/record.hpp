@@ -6,26 +6,34 @@
 
 namespace frac {
 
+/// Samples that are missing in a record, as a logger drops them.
+struct RecordGap {
+  std::size_t before = 0;   // index of the first sample after it
+  std::size_t missing = 0;  // samples
+};
+
 /// Samples of one experiment at equal steps of time: an input, one or more outputs, and, where the input is itself the
 /// answer of a loop, the signal from outside that drives the loop.
 class Record {
  public:
   /// @param sample_time  s, > 0
   /// @param reference    driving signal of a closed loop; empty: the input is free of what disturbs the outputs
+  /// @param gaps       where samples are missing, rising
   /// @throws std::invalid_argument  sample time not positive and finite, no output, lengths that differ, fewer than 16
   ///                                samples, a sample not finite, an input that does not change; the text names the
-  ///                                signal and the first index concerned.
+  ///                                signal and the first index concerned.  Gaps that do not rise, or not within it.
   Record(double sample_time, std::vector<double> input, std::vector<std::vector<double>> outputs,
-         std::vector<double> reference = {});
+         std::vector<double> reference = {}, std::vector<RecordGap> gaps = {});
 
   [[nodiscard]] std::size_t size() const noexcept { return input_.size(); }
   [[nodiscard]] double sample_time() const noexcept { return sample_time_; }
   [[nodiscard]] const std::vector<double>& input() const noexcept { return input_; }
   [[nodiscard]] const std::vector<std::vector<double>>& outputs() const noexcept { return outputs_; }
   [[nodiscard]] const std::vector<double>& reference() const noexcept { return reference_; }
+  [[nodiscard]] const std::vector<RecordGap>& gaps() const noexcept { return gaps_; }
   /// What drives the experiment: the reference where there is one, else the input.
   [[nodiscard]] const std::vector<double>& drive() const noexcept { return reference_.empty() ? input_ : reference_; }
-  /// Samples first to first + count - 1.
+  /// Samples first to first + count - 1, as if none of them were missing.
   [[nodiscard]] Record part(std::size_t first, std::size_t count) const;
 
  private:
@@ -33,6 +41,7 @@ class Record {
   std::vector<double> input_;
   std::vector<std::vector<double>> outputs_;
   std::vector<double> reference_;
+  std::vector<RecordGap> gaps_;
 };
 
 /// The limits at which a sensor or an amplifier has cut off a signal: it stays at its largest or at its smallest value

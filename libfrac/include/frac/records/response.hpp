@@ -86,8 +86,11 @@ struct ResponseEstimate {
 ///
 /// Several records of equal length and period are realisations of one random excitation: value and deviation are then
 /// those of the best linear approximation, mean and scatter over the realisations.
+/// Gaps: a period of whole samples goes on over them, the segment of a stepped sine before and after one is one point
+/// where both sides agree.
 /// @throws std::invalid_argument  no record, records with other sample times or counts of outputs, harmonics < 1, a
-///                                period that is not positive or of which no record holds two.
+///                                period that is not positive or of which no record holds two, an arbitrary
+///                                excitation with gaps.
 [[nodiscard]] ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options = {});
 
 }  // namespace frac
