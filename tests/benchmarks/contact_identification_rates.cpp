@@ -13,8 +13,6 @@
 #include <complex>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <numbers>
 #include <string>
@@ -24,8 +22,10 @@
 #include "backlash/identification/scene_identification.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "steady_state/two_impact_orbit.hpp"
+#include "support/arguments.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"
+#include "support/scene_tally.hpp"
 
 namespace {
 
@@ -91,58 +91,27 @@ Case random_case(support::Random& random, double share) {
   return made;
 }
 
-struct Tally {
-  int scenes = 0, flagged = 0, answered = 0, wrong = 0, far_off = 0, stated = 0, held = 0, told = 0, time_stated = 0,
-      time_held = 0;
-  std::vector<double> seconds;
+struct Tally : support::SceneTally {
+  int told = 0, time_stated = 0, time_held = 0;
+  std::vector<double> processor_seconds;
 };
 
 void judge(const Case& scene, bool each, Tally& tally) {
   const std::clock_t begin = std::clock();
   const auto result = backlash::identify_scene(scene.curves, scene.options);
-  tally.seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  tally.processor_seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   ++tally.scenes;
-  tally.flagged += result.misfits.empty() ? 0 : 1;
   tally.told += result.contact_verdict == backlash::ContactVerdict::compliant ? 1 : 0;
-  int stated = 0, held = 0;
-  bool far_off = false;
-  std::string text;
-  const auto count = [&](const backlash::SceneEstimate& estimate, double truth) {
-    char shown[160];
-    std::snprintf(shown, sizeof shown, " %s %.5g %s%.5g (%.5g..%.5g)", estimate.name.c_str(), truth,
-                  estimate.identified ? "" : "? ", estimate.value, estimate.ci95_lower, estimate.ci95_upper);
-    text += shown;
-    const bool holds = estimate.ci95_lower <= truth && truth <= estimate.ci95_upper;
-    if (!estimate.identified) return holds;
-    const double reach =
-        truth > estimate.value ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
-    far_off = far_off || std::abs(estimate.value - truth) > 2 * reach;
-    ++stated;
-    held += holds ? 1 : 0;
-    return holds;
-  };
-  const std::array<double, 4> truth = {scene.system.mass1(), scene.system.mass2(), scene.system.clearance(),
-                                       scene.system.restitution()};
-  for (std::size_t k = 0; k < truth.size(); ++k)
-    if (!result.parameters[k].fixed) count(result.parameters[k], truth[k]);
-  tally.stated += stated;
-  tally.held += held;
-  const bool is_answered = stated > 0;
-  if (!result.contact.empty() && is_answered && std::isfinite(result.contact[0].ci95_upper)) {
+  support::SceneScore score(result, scene.system);
+  if (!result.contact.empty() && score.answered && std::isfinite(result.contact[0].ci95_upper)) {
     ++tally.time_stated;
-    tally.time_held += count(result.contact[0], scene.contact_time) ? 1 : 0;
+    tally.time_held += score.add(result.contact[0], scene.contact_time) ? 1 : 0;
   }
-  const bool wrong = is_answered && held == 0;
-  tally.answered += is_answered ? 1 : 0;
-  tally.wrong += wrong ? 1 : 0;
-  tally.far_off += far_off ? 1 : 0;
+  tally.add(result, score);
   if (each) {
-    std::printf("# %s x%d %zu forces: %zu of %zu points, %.2f s:%s | %s\n",
-                wrong     ? "WRONG"
-                : far_off ? "FAR"
-                          : "ok",
+    std::printf("# %s x%d %zu forces: %zu of %zu points, %.2f s:%s | %s\n", score.word(),
                 scene.options.output == backlash::Output::x1 ? 1 : 2, scene.curves.size(), result.points_used,
-                result.points.size(), tally.seconds.back(), text.c_str(), result.message.c_str());
+                result.points.size(), tally.processor_seconds.back(), score.text.c_str(), result.message.c_str());
     std::fflush(stdout);
   }
 }
@@ -150,42 +119,28 @@ void judge(const Case& scene, bool each, Tally& tally) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool each = false, smoke = false, hard = false;
-  double only = -1;
-  std::vector<std::uint64_t> numbers;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--each") == 0) {
-      each = true;
-    } else if (std::strcmp(argv[i], "--smoke") == 0) {
-      smoke = true;
-    } else if (std::strcmp(argv[i], "--hard") == 0) {
-      hard = true;
-    } else if (std::strncmp(argv[i], "--only=", 7) == 0) {
-      only = std::strtod(argv[i] + 7, nullptr);
-    } else {
-      numbers.push_back(std::strtoull(argv[i], nullptr, 10));
-    }
-  }
-  const std::uint64_t scenes = smoke ? 1 : !numbers.empty() ? numbers[0] : 20;
-  const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
+  const support::Arguments arguments(argc, argv);
+  const std::uint64_t scenes = arguments.has("--smoke") ? 1 : arguments.number(0, 20);
+  const std::uint64_t seed = arguments.number(1, 1);
   std::printf(
       "| contact time/period | scenes | said not to fit | something identified | confidently wrong | one far off | "
       "intervals | coverage | contact time held | told from hard | processor s in the middle |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double share : contact_shares) {
-    if (only >= 0 && share != only) continue;
     support::Random random(seed + 1'000'000 * static_cast<std::uint64_t>(1e4 * share));
     Tally tally;
     for (std::uint64_t i = 0; i < scenes; ++i) {
       Case scene = random_case(random, share);
-      if (hard) scene.options.contact = backlash::ContactModel::hard;
-      judge(scene, each, tally);
+      if (arguments.has("--hard")) scene.options.contact = backlash::ContactModel::hard;
+      judge(scene, arguments.has("--each"), tally);
     }
-    std::sort(tally.seconds.begin(), tally.seconds.end());
+    std::sort(tally.processor_seconds.begin(), tally.processor_seconds.end());
     std::printf("| %g | %d | %d | %d | %d | %d | %d of %d | %.1f %% | %d of %d | %d | %.2g |\n", share, tally.scenes,
-                tally.flagged, tally.answered, tally.wrong, tally.far_off, tally.held, tally.stated,
-                100.0 * tally.held / std::max(1, tally.stated), tally.time_held, tally.time_stated, tally.told,
-                tally.seconds[tally.seconds.size() / 2]);
+                tally.flagged, tally.answered, tally.wrong, tally.far_off, support::SceneTally::sum(tally.held),
+                support::SceneTally::sum(tally.stated),
+                100.0 * support::SceneTally::sum(tally.held) / std::max(1, support::SceneTally::sum(tally.stated)),
+                tally.time_held, tally.time_stated, tally.told,
+                tally.processor_seconds[tally.processor_seconds.size() / 2]);
     std::fflush(stdout);
   }
 }

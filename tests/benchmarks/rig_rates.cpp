@@ -14,8 +14,6 @@
 #include <complex>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -25,15 +23,15 @@
 #include "backlash/rig_record.hpp"
 #include "frac/records/response.hpp"
 #include "steady_state/two_impact_orbit.hpp"
+#include "support/arguments.hpp"
 #include "support/random.hpp"
+#include "support/scene_tally.hpp"
 
 namespace {
 
 using backlash::Output;
 using Complex = std::complex<double>;
 using std::numbers::pi;
-
-constexpr std::array<const char*, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 
 struct Case {
   backlash::TwoMassSystem system;
@@ -90,11 +88,8 @@ Complex cycles_of(const frac::SignalPath& path, double force, double omega, doub
   return sum / force;
 }
 
-struct Tally {
-  int scenes = 0, unusable = 0, answered = 0, wrong = 0, far_off = 0, flagged = 0;
+struct Tally : support::SceneTally {
   int steady = 0, steady_said = 0, steady_held = 0, unsteady = 0, unsteady_said = 0, missing = 0;
-  std::array<int, 4> free{}, stated{}, held{};
-  double seconds = 0;
 };
 
 /// The curve of one force; counts what is said of its segments.
@@ -156,70 +151,29 @@ void judge(const Case& made, std::uint64_t seed, bool each, Tally& tally) {
     return;
   }
   const auto result = backlash::identify_scene(curves, made.options);
-  const std::array<double, 4> truth = {made.system.mass1(), made.system.mass2(), made.system.clearance(),
-                                       made.system.restitution()};
-  int stated = 0, held = 0;
-  bool is_far_off = false;
-  std::string text;
-  if (result.termination == frac::FitTermination::no_usable_start) ++tally.unusable;
-  if (!result.misfits.empty()) ++tally.flagged;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    const auto& estimate = result.parameters[k];
-    if (estimate.fixed) continue;
-    ++tally.free[k];
-    char shown[160];
-    std::snprintf(shown, sizeof shown, " %s %.5g %s%.5g (%.5g..%.5g)", estimate.name.c_str(), truth[k],
-                  estimate.identified ? "" : "? ", estimate.value, estimate.ci95_lower, estimate.ci95_upper);
-    text += shown;
-    if (!estimate.identified) continue;
-    const bool holds = estimate.ci95_lower <= truth[k] && truth[k] <= estimate.ci95_upper;
-    const double reach =
-        truth[k] > estimate.value ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
-    is_far_off = is_far_off || std::abs(estimate.value - truth[k]) > 2 * reach;
-    ++tally.stated[k];
-    ++stated;
-    tally.held[k] += holds ? 1 : 0;
-    held += holds ? 1 : 0;
-  }
-  const bool wrong = stated > 0 && held == 0;
-  tally.answered += stated > 0 ? 1 : 0;
-  tally.wrong += wrong ? 1 : 0;
-  tally.far_off += is_far_off ? 1 : 0;
+  const support::SceneScore score(result, made.system);
+  tally.add(result, score);
   tally.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!each) return;
-  std::printf("# %s %s %zu forces, noise %.2g of the gap: %zu of %zu points:%s | %s\n",
-              is_far_off ? "FAR"
-              : wrong    ? "WRONG"
-                         : "ok",
+  std::printf("# %s %s %zu forces, noise %.2g of the gap: %zu of %zu points:%s | %s\n", score.word(),
               std::string(to_string(made.body)).c_str(), made.forces.size(),
               made.sensors.position.noise / made.system.clearance(), result.points_used, result.points.size(),
-              text.c_str(), result.message.c_str());
+              score.text.c_str(), result.message.c_str());
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool each = false, smoke = false, hard = false;
-  std::vector<std::uint64_t> numbers;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--each") == 0)
-      each = true;
-    else if (std::strcmp(argv[i], "--hard") == 0)
-      hard = true;
-    else if (std::strcmp(argv[i], "--smoke") == 0)
-      smoke = true;
-    else
-      numbers.push_back(std::strtoull(argv[i], nullptr, 10));
-  }
-  const std::uint64_t scenes = smoke ? 2 : !numbers.empty() ? numbers[0] : 40;
-  const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
+  const support::Arguments arguments(argc, argv);
+  const std::uint64_t scenes = arguments.has("--smoke") ? 2 : arguments.number(0, 40);
+  const std::uint64_t seed = arguments.number(1, 1);
   Tally tally;
   for (std::uint64_t i = 0; i < scenes; ++i) {
     support::Random random(1'000'000 * seed + i);
     Case made = random_case(random);
-    if (hard) made.options.contact = backlash::ContactModel::hard;
-    judge(made, 1000 * (1'000'000 * seed + i), each, tally);
+    if (arguments.has("--hard")) made.options.contact = backlash::ContactModel::hard;
+    judge(made, 1000 * (1'000'000 * seed + i), arguments.has("--each"), tally);
   }
   std::printf("| segments | number | said not to be steady | intervals of N that hold |\n|---|---|---|---|\n");
   std::printf("| steady | %d | %d | %.1f %% of %d |\n", tally.steady, tally.steady_said,
@@ -228,18 +182,12 @@ int main(int argc, char** argv) {
   std::printf("| not steady | %d | %d | |\n| not found | %d | | |\n\n", tally.unsteady, tally.unsteady_said,
               tally.missing);
   std::printf("| scenes |");
-  for (const char* name : parameter_names) std::printf(" %s |", name);
+  support::SceneTally::print_names();
   std::printf(
-      " all | coverage | said not to fit | confidently wrong | one far off | nothing | s a scene |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  int stated = 0, held = 0;
-  std::printf("| %d |", tally.scenes);
-  for (std::size_t k = 0; k < 4; ++k) {
-    std::printf(" %d of %d |", tally.held[k], tally.stated[k]);
-    stated += tally.stated[k];
-    held += tally.held[k];
-  }
-  std::printf(" %d of %d | %.1f %% | %d | %d of %d | %d | %d | %.2g |\n", held, stated,
-              100.0 * held / std::max(1, stated), tally.flagged, tally.wrong, tally.answered, tally.far_off,
+      " said not to fit | confidently wrong | one far off | nothing | s a scene |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n| %d |",
+      tally.scenes);
+  tally.print_held();
+  std::printf(" %d | %d of %d | %d | %d | %.2g |\n", tally.flagged, tally.wrong, tally.answered, tally.far_off,
               tally.unusable, tally.seconds / std::max(1, tally.scenes));
 }

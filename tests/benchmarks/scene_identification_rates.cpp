@@ -20,8 +20,6 @@
 #include <complex>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <map>
 #include <string>
 #include <vector>
@@ -29,7 +27,9 @@
 #include "backlash/basins.hpp"
 #include "backlash/identification/scene_identification.hpp"
 #include "steady_state/two_impact_orbit.hpp"
+#include "support/arguments.hpp"
 #include "support/random.hpp"
+#include "support/scene_tally.hpp"
 
 namespace {
 
@@ -38,8 +38,8 @@ using backlash::Output;
 using Complex = std::complex<double>;
 
 constexpr std::array<double, 4> noise_levels = {0, 0.001, 0.01, 0.03};
-constexpr std::array<const char*, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
-constexpr double exact = 1e-6;
+// Exact data leave rounding.
+constexpr support::SceneAllowance allowance = {.rounding = 1e-6, .near = 1e-3};
 
 enum class Kind { symmetric, chaos, limit, misled, starts };
 constexpr std::array<const char*, 5> kind_names = {"symmetric", "chaos", "limit", "misled", "starts"};
@@ -145,27 +145,7 @@ Case random_case(support::Random& random, Kind kind) {
   return made;
 }
 
-struct Tally {
-  int scenes = 0, unusable = 0, flagged = 0, answered = 0, wrong = 0, far_off = 0;
-  std::array<int, 4> free{}, stated{}, held{};
-  double seconds = 0;
-
-  Tally& operator+=(const Tally& other) {
-    scenes += other.scenes;
-    unusable += other.unusable;
-    flagged += other.flagged;
-    answered += other.answered;
-    wrong += other.wrong;
-    far_off += other.far_off;
-    for (std::size_t k = 0; k < 4; ++k) {
-      free[k] += other.free[k];
-      stated[k] += other.stated[k];
-      held[k] += other.held[k];
-    }
-    seconds += other.seconds;
-    return *this;
-  }
-};
+using Tally = support::SceneTally;
 
 void judge(const Case& scene, bool each, Tally& tally) {
   const auto begin = std::chrono::steady_clock::now();
@@ -173,63 +153,27 @@ void judge(const Case& scene, bool each, Tally& tally) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   ++tally.scenes;
   tally.seconds += seconds;
-  if (result.termination == frac::FitTermination::no_usable_start) ++tally.unusable;
-  if (!result.misfits.empty()) ++tally.flagged;
-  const std::array<double, 4> truth = {scene.system.mass1(), scene.system.mass2(), scene.system.clearance(),
-                                       scene.system.restitution()};
-  int stated = 0, held = 0;
-  bool far_off = false;
-  std::string text;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    const backlash::SceneEstimate& estimate = result.parameters[k];
-    if (estimate.fixed) continue;
-    ++tally.free[k];
-    char shown[160];
-    std::snprintf(shown, sizeof shown, " %s %.5g %s%.5g (%.5g..%.5g)", estimate.name.c_str(), truth[k],
-                  estimate.identified ? "" : "? ", estimate.value, estimate.ci95_lower, estimate.ci95_upper);
-    text += shown;
-    if (!estimate.identified) continue;
-    const double rounding = exact * truth[k];
-    const double lower = std::min(estimate.ci95_lower, estimate.value - rounding);
-    const double upper = std::max(estimate.ci95_upper, estimate.value + rounding);
-    const bool holds = lower <= truth[k] && truth[k] <= upper;
-    const double reach = truth[k] > estimate.value ? upper - estimate.value : estimate.value - lower;
-    if (std::abs(estimate.value - truth[k]) > std::max(2 * reach, 1e-3 * truth[k])) far_off = true;
-    ++tally.stated[k];
-    ++stated;
-    tally.held[k] += holds ? 1 : 0;
-    held += holds ? 1 : 0;
-  }
-  const bool wrong = stated > 0 && held == 0;
-  tally.answered += stated > 0 ? 1 : 0;
-  tally.wrong += wrong ? 1 : 0;
-  tally.far_off += far_off ? 1 : 0;
+  const support::SceneScore score(result, scene.system, allowance);
+  tally.add(result, score);
   if (each) {
-    std::printf("# %s x%d %s%zu forces noise %g: %zu of %zu points, %.2f s:%s | %s\n",
-                wrong     ? "WRONG"
-                : far_off ? "FAR"
-                          : "ok",
+    std::printf("# %s x%d %s%zu forces noise %g: %zu of %zu points, %.2f s:%s | %s\n", score.word(),
                 scene.options.output == Output::x1 ? 1 : 2,
                 scene.options.component == frac::Component::imaginary ? "imaginary " : "", scene.curves.size(),
-                scene.noise, result.points_used, result.points.size(), seconds, text.c_str(), result.message.c_str());
+                scene.noise, result.points_used, result.points.size(), seconds, score.text.c_str(),
+                result.message.c_str());
     std::fflush(stdout);
   }
 }
 
 void print_coverage(const std::map<double, Tally>& tallies) {
   std::printf("| noise | scenes |");
-  for (const char* name : parameter_names) std::printf(" %s |", name);
-  std::printf(" all | coverage |\n|---|---|---|---|---|---|---|---|\n");
+  Tally::print_names();
+  std::printf("\n|---|---|---|---|---|---|---|---|\n");
   Tally all;
   const auto row = [](const std::string& name, const Tally& tally) {
-    int stated = 0, held = 0;
     std::printf("| %s | %d |", name.c_str(), tally.scenes);
-    for (std::size_t k = 0; k < 4; ++k) {
-      std::printf(" %d of %d |", tally.held[k], tally.stated[k]);
-      stated += tally.stated[k];
-      held += tally.held[k];
-    }
-    std::printf(" %d of %d | %.1f %% |\n", held, stated, 100.0 * held / std::max(1, stated));
+    tally.print_held();
+    std::printf("\n");
   };
   for (const auto& [noise, tally] : tallies) {
     char text[16];
@@ -245,33 +189,18 @@ void print_scenes(const std::map<Kind, Tally>& tallies) {
       "| kind | scenes | nothing found | said not to fit | something identified | confidently wrong | one far off | "
       "parameters identified | s a scene |\n|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [kind, tally] : tallies) {
-    int free = 0, stated = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      free += tally.free[k];
-      stated += tally.stated[k];
-    }
     std::printf("| %s | %d | %d | %d | %d | %d | %d | %d of %d | %.2g |\n", kind_names[static_cast<std::size_t>(kind)],
-                tally.scenes, tally.unusable, tally.flagged, tally.answered, tally.wrong, tally.far_off, stated, free,
-                tally.seconds / tally.scenes);
+                tally.scenes, tally.unusable, tally.flagged, tally.answered, tally.wrong, tally.far_off,
+                Tally::sum(tally.stated), Tally::sum(tally.free), tally.seconds / tally.scenes);
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool each = false, smoke = false;
-  std::vector<std::uint64_t> numbers;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--each") == 0) {
-      each = true;
-    } else if (std::strcmp(argv[i], "--smoke") == 0) {
-      smoke = true;
-    } else {
-      numbers.push_back(std::strtoull(argv[i], nullptr, 10));
-    }
-  }
-  const std::uint64_t scenes = smoke ? 2 : !numbers.empty() ? numbers[0] : 100;
-  const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
+  const support::Arguments arguments(argc, argv);
+  const std::uint64_t scenes = arguments.has("--smoke") ? 2 : arguments.number(0, 100);
+  const std::uint64_t seed = arguments.number(1, 1);
   std::map<double, Tally> by_noise;
   std::map<Kind, Tally> by_kind;
   for (const Kind kind : {Kind::symmetric, Kind::chaos, Kind::limit, Kind::misled, Kind::starts}) {
@@ -279,7 +208,7 @@ int main(int argc, char** argv) {
     for (std::uint64_t i = 0; i < scenes; ++i) {
       const Case scene = random_case(random, kind);
       Tally tally;
-      judge(scene, each, tally);
+      judge(scene, arguments.has("--each"), tally);
       by_kind[kind] += tally;
       if (kind != Kind::misled) by_noise[scene.noise] += tally;
     }

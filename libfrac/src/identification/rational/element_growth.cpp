@@ -17,17 +17,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // So many sums get the next element: the best one may have an element where another one belongs.
 constexpr std::size_t kept = 2;
 constexpr double not_told = 2;  // differences of the value, as of AICc in identify()
-constexpr int places = 16;      // along the band and its margins
 
 // So many ways to add an element get a search of their own, those that lower the cost most before it.
 constexpr std::size_t searched = 8;
 
 /// Elements of one kind along orders or places.
 using Line = std::vector<Term>;
-
-Term whole_power(double order) {
-  return {Kind::power, order, true};
-}
 
 /// Powers of an order between two whole ones.
 Line free_powers(double least) {
@@ -38,16 +33,9 @@ Line free_powers(double least) {
   return line;
 }
 
-std::vector<double> places_of(const TermProblem& problem) {
-  std::vector<double> result;
-  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
-  for (int i = 0; i < places; ++i) result.push_back(first + (last - first) * i / (places - 1));
-  return result;
-}
-
 Line placed(const TermProblem& problem, Term element) {
   Line line;
-  for (const double at : places_of(problem)) {
+  for (const double at : places(problem, 16)) {
     element.log_size = at;
     line.push_back(element);
   }
@@ -101,11 +89,6 @@ double kinds_of(PassiveResponse response) {
   return response == PassiveResponse::receptance ? 9 : 14;
 }
 
-TermSum without(TermSum sum, std::size_t k) {
-  sum.erase(sum.begin() + static_cast<std::ptrdiff_t>(k));
-  return sum;
-}
-
 bool contains(const TermSum& sum, const Term& power) {
   return std::any_of(sum.begin(), sum.end(), [&](const Term& term) { return term.held && same_power(term, power); });
 }
@@ -126,7 +109,7 @@ class ElementGrowth {
       const std::vector<double> gains = problem_.coefficients(fit.sum);
       const auto least = std::min_element(gains.begin(), gains.end());
       if (*least > 0) return fit;
-      sum = without(std::move(fit.sum), static_cast<std::size_t>(least - gains.begin()));
+      sum = without_term(std::move(fit.sum), static_cast<std::size_t>(least - gains.begin()));
     }
   }
 
@@ -136,9 +119,9 @@ class ElementGrowth {
     for (const Line& line : catalogue_) {
       if (line.front().held && line.front().kind == Kind::power && contains(sum, line.front())) continue;
       std::vector<TermFit> along = problem_.along_gaining(sum, line);
-      starts.push_back(std::move(*std::min_element(along.begin(), along.end(), cheaper)));
+      starts.push_back(std::move(*std::min_element(along.begin(), along.end(), costs_less)));
     }
-    std::stable_sort(starts.begin(), starts.end(), cheaper);
+    std::stable_sort(starts.begin(), starts.end(), costs_less);
     for (std::size_t i = 0; i < std::min(searched, starts.size()) && std::isfinite(starts[i].cost); ++i) {
       refined.push_back(refine(std::move(starts[i].sum), scouting));
     }
@@ -163,8 +146,6 @@ class ElementGrowth {
   }
 
  private:
-  static bool cheaper(const TermFit& a, const TermFit& b) { return a.cost < b.cost; }
-
   template <class Moves>
   [[nodiscard]] TermFit moved(TermFit best, Moves moves) const {
     for (bool better = true; better;) {
@@ -190,7 +171,7 @@ class ElementGrowth {
   static std::vector<TermSum> simpler_than(const TermSum& sum) {
     std::vector<TermSum> moves;
     for (std::size_t k = 0; k < sum.size(); ++k) {
-      if (sum.size() > 1) moves.push_back(without(sum, k));
+      if (sum.size() > 1) moves.push_back(without_term(sum, k));
       const Term& element = sum[k];
       if (element.kind != Kind::power && !element.is_mode()) {
         // What lies beyond the band is a resistor, and on the other side an inductor, a capacitor or diffusion.
@@ -225,7 +206,7 @@ class ElementGrowth {
       for (std::size_t i = 1; i < sum.size(); ++i) nearest = distance(i) < distance(nearest) ? i : nearest;
       for (std::size_t i = 0; i < sum.size(); ++i) {
         const bool replaced = sum[i].kind == Kind::power ? sum[i].held : i == nearest;
-        if (i != k && replaced) moves.push_back(without(with_at(sum, k, other), i));
+        if (i != k && replaced) moves.push_back(without_term(with_at(sum, k, other), i));
       }
     };
     for (std::size_t k = 0; k < sum.size(); ++k) {

@@ -234,4 +234,11 @@ double price_of_place(const ProjectedData& data) {
   return 2 * std::log(data.log_upper() - data.log_lower() + 2 * search_margin);
 }
 
+std::vector<double> places(const ProjectedData& data, int count) {
+  const double first = data.log_lower() - search_margin, last = data.log_upper() + search_margin;
+  std::vector<double> result;
+  for (int i = 0; i < count; ++i) result.push_back(first + (last - first) * i / (count - 1));
+  return result;
+}
+
 }  // namespace frac::detail

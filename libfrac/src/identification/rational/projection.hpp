@@ -127,6 +127,9 @@ class ProjectedData {
 /// n ln(cost/n) and price_of_parameters().  Negligible costs are equally good.
 [[nodiscard]] double schwarz(const ProjectedData& data, double cost, std::size_t parameters);
 
+/// Logarithms of places where a search starts, evenly over the band and its margins.
+[[nodiscard]] std::vector<double> places(const ProjectedData& data, int count);
+
 /// When a search for the least cost ends.
 struct Effort {
   int iterations;

@@ -27,14 +27,6 @@ bool follows_some(const RationalProblem& problem, const RationalFit& fit) {
   return fit.cost < 0.25 * problem.data_power();
 }
 
-/// Evenly in the logarithm over the band and its margins.
-std::vector<double> places(const RationalProblem& problem, int count) {
-  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
-  std::vector<double> result;
-  for (int i = 0; i < count; ++i) result.push_back(first + (last - first) * i / (count - 1));
-  return result;
-}
-
 /// Delays from which a search is started, rising, in units of the middle of the band: a fifth of a turn at either end
 /// and between, and every fifth of a turn at the upper end, where the basins of many turns are half a turn wide, as far
 /// as the spacing of the points tells one from another.

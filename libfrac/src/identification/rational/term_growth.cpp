@@ -17,10 +17,6 @@ constexpr std::size_t kept = 2;
 // Rows of modes are ratios.
 constexpr std::ptrdiff_t most_modes = 2;
 
-Term whole_power(double order) {
-  return {Term::Kind::power, order, true, 0, 0};
-}
-
 double value_of(const TermProblem& problem, const TermFit& fit) {
   double price = 0;
   // A mode can be as narrow as the distance between two points, see price_of_search().
@@ -39,30 +35,11 @@ bool has_free_order(const TermSum& sum) {
   return std::any_of(sum.begin(), sum.end(), [](const Term& term) { return !term.held; });
 }
 
-TermSum with(const TermSum& sum, const Term& term) {
-  TermSum result = sum;
-  result.push_back(term);
-  return result;
-}
-
-bool cheaper(const TermFit& a, const TermFit& b) {
-  return a.cost < b.cost;
-}
-
-/// Refines the `count` starts of least cost.
-void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
-                 std::vector<TermFit>& refined) {
-  std::stable_sort(starts.begin(), starts.end(), cheaper);
-  for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
-    refined.push_back(problem.refine(std::move(starts[i].sum), scouting));
-  }
-}
-
 /// Appends sums with one more term, of each kind of term the best ones, refined.
 void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>& refined) {
   for (const double order : {0.0, 1.0, -1.0}) {
     const Term power = whole_power(order);
-    if (!contains(sum, power)) refined.push_back(problem.refine(with(sum, power), scouting));
+    if (!contains(sum, power)) refined.push_back(problem.refine(with_term(sum, power), scouting));
   }
   std::vector<Term> powers;
   for (const double order : {-1.5, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.5}) {
@@ -70,30 +47,28 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   }
   std::vector<TermFit> starts;
   add_local_minima(problem.along(sum, powers), starts);
-  refine_best(problem, std::move(starts), 1, refined);
+  problem.refine_best(std::move(starts), 1, refined);
   starts.clear();
-  constexpr int places = 12;
-  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
-  const auto at = [&](int i) { return first + (last - first) * i / (places - 1); };
+  const std::vector<double> band = places(problem, 12);
   for (const double order : {0.95, 0.7, 0.45}) {
     std::vector<Term> arcs;
-    for (int i = 0; i < places; ++i) arcs.push_back({Term::Kind::arc, order, false, at(i), 0});
+    for (const double at : band) arcs.push_back({Term::Kind::arc, order, false, at, 0});
     add_local_minima(problem.along(sum, arcs), starts);
   }
-  const double best_arc = starts.empty() ? infinity : std::min_element(starts.begin(), starts.end(), cheaper)->cost;
-  refine_best(problem, std::move(starts), 3, refined);
+  const double best_arc = starts.empty() ? infinity : std::min_element(starts.begin(), starts.end(), costs_less)->cost;
+  problem.refine_best(std::move(starts), 3, refined);
   const auto modes =
       std::count_if(sum.begin(), sum.end(), [](const Term& term) { return term.kind == Term::Kind::mode; });
   if (sum.empty() || modes >= most_modes) return;
   starts.clear();
   for (const double top : {0.0, 1.0}) {
     std::vector<Term> modes_along;
-    for (int i = 0; i < places; ++i) modes_along.push_back({Term::Kind::mode, top, true, at(i), std::log(0.2)});
+    for (const double at : band) modes_along.push_back({Term::Kind::mode, top, true, at, std::log(0.2)});
     add_local_minima(problem.along(sum, modes_along), starts);
   }
   // Without a resonance in the data arcs are worth more from the start.
   std::erase_if(starts, [&](const TermFit& fit) { return !(fit.cost < best_arc); });
-  refine_best(problem, std::move(starts), 2, refined);
+  problem.refine_best(std::move(starts), 2, refined);
 }
 
 /// The fit without terms that do not pay for themselves, and with whole orders where these may as well be.
@@ -101,8 +76,7 @@ TermFit without_idle_parts(const TermProblem& problem, TermFit fit) {
   const auto moves_of = [](const TermFit& best, int) {
     std::vector<TermSum> moves;
     for (std::size_t k = 0; k < best.sum.size(); ++k) {
-      TermSum less = best.sum;
-      less.erase(less.begin() + static_cast<std::ptrdiff_t>(k));
+      TermSum less = without_term(best.sum, k);
       if (has_free_order(less)) moves.push_back(std::move(less));
       const Term& term = best.sum[k];
       if (term.held) continue;

@@ -127,10 +127,7 @@ std::size_t parameters(const TermSum& sum, Index rank) {
 /// The sum with each of the terms, at infinite cost.
 std::vector<TermFit> with_each(const TermSum& sum, const std::vector<Term>& terms) {
   std::vector<TermFit> fits;
-  for (const Term& term : terms) {
-    fits.push_back({sum, std::numeric_limits<double>::infinity(), 0});
-    fits.back().sum.push_back(term);
-  }
+  for (const Term& term : terms) fits.push_back({with_term(sum, term), std::numeric_limits<double>::infinity(), 0});
   return fits;
 }
 
@@ -138,6 +135,27 @@ std::vector<TermFit> with_each(const TermSum& sum, const std::vector<Term>& term
 
 bool same_power(const Term& a, const Term& b) {
   return a.kind == Term::Kind::power && b.kind == Term::Kind::power && a.order == b.order;
+}
+
+TermSum with_term(TermSum sum, const Term& term) {
+  sum.push_back(term);
+  return sum;
+}
+
+TermSum without_term(TermSum sum, std::size_t k) {
+  sum.erase(sum.begin() + static_cast<std::ptrdiff_t>(k));
+  return sum;
+}
+
+bool costs_less(const TermFit& a, const TermFit& b) {
+  return a.cost < b.cost;
+}
+
+void TermProblem::refine_best(std::vector<TermFit> starts, std::size_t count, std::vector<TermFit>& refined) const {
+  std::stable_sort(starts.begin(), starts.end(), costs_less);
+  for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
+    refined.push_back(refine(std::move(starts[i].sum), scouting));
+  }
 }
 
 Eigen::MatrixXcd TermProblem::columns(const TermSum& sum) const {

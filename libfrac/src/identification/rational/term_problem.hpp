@@ -44,6 +44,13 @@ using TermSum = std::vector<Term>;
 
 /// Whether the two stand for the same power.
 [[nodiscard]] bool same_power(const Term& a, const Term& b);
+/// The power of an order that is held.
+[[nodiscard]] constexpr Term whole_power(double order) {
+  return {Term::Kind::power, order, true};
+}
+/// The sum with one term more, and without its k-th.
+[[nodiscard]] TermSum with_term(TermSum sum, const Term& term);
+[[nodiscard]] TermSum without_term(TermSum sum, std::size_t k);
 
 /// A sum at its least cost.
 struct TermFit {
@@ -51,6 +58,8 @@ struct TermFit {
   double cost = 0;             // sum of squared residuals in the unit of the rule
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
 };
+
+[[nodiscard]] bool costs_less(const TermFit& a, const TermFit& b);
 
 /// Weighted least squares of sums of terms: coefficients of either sign by projection, places and orders by search.
 class TermProblem : public ProjectedData {
@@ -62,6 +71,8 @@ class TermProblem : public ProjectedData {
   /// The same where only terms whose coefficient is positive count; the cost with any other is infinite.
   [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const std::vector<Term>& terms) const;
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
+  /// Appends the `count` starts of least cost, each refined a little.
+  void refine_best(std::vector<TermFit> starts, std::size_t count, std::vector<TermFit>& refined) const;
   /// At each point; empty where a number overflows.
   [[nodiscard]] std::vector<std::complex<double>> response(const TermSum& sum) const;
   /// Coefficients, for s in rad/s.

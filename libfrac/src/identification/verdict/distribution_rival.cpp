@@ -31,72 +31,47 @@ double value_of(const TermProblem& problem, const TermFit& fit) {
          static_cast<double>(spreads_in(fit.sum)) * price_of_place(problem);
 }
 
-TermSum with(TermSum sum, const Term& term) {
-  sum.push_back(term);
-  return sum;
-}
-
-const Term constant{Term::Kind::power, 0, true};
+constexpr Term constant = whole_power(0);
 
 Term spread(Term::Kind kind, double log_size, double width) {
   return {.kind = kind, .held = true, .log_size = log_size, .log_width = std::log(width)};
-}
-
-/// Refines the `count` starts of least cost.
-void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
-                 std::vector<TermFit>& refined) {
-  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
-    refined.push_back(problem.refine(std::move(starts[i].sum), scouting));
-  }
-}
-
-double place(const TermProblem& problem, int i, int places) {
-  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
-  return first + (last - first) * i / (places - 1);
 }
 
 /// Sums with a term more, refined.
 std::vector<TermFit> extended(const TermProblem& problem, const TermSum& sum) {
   std::vector<TermFit> fits;
   for (const double order : {0.0, 1.0, -1.0}) {
-    const Term power{Term::Kind::power, order, true};
+    const Term power = whole_power(order);
     const bool there = std::any_of(sum.begin(), sum.end(), [&](const Term& term) { return same_power(term, power); });
-    if (!there && !sum.empty()) fits.push_back(problem.refine(with(sum, power), scouting));
+    if (!there && !sum.empty()) fits.push_back(problem.refine(with_term(sum, power), scouting));
   }
   if (spreads_in(sum) >= most_spreads) return fits;
-  constexpr int places = 12;
   constexpr std::size_t tried = 4;
   for (const Term::Kind kind : spreads) {
     std::vector<TermFit> starts;
     for (const double width : {0.3, 1.0, 3.0}) {
       std::vector<Term> along;
-      along.reserve(places);
-      for (int i = 0; i < places; ++i) {
-        along.push_back(spread(kind, place(problem, i, places), width));
-      }
+      for (const double at : places(problem, 12)) along.push_back(spread(kind, at, width));
       add_local_minima(problem.along(sum, along), starts);
     }
-    refine_best(problem, std::move(starts), tried, fits);
+    problem.refine_best(std::move(starts), tried, fits);
   }
   return fits;
 }
 
 /// A constant and two spreads, which no spread alone comes near: the best of a lattice, refined.
 std::vector<TermFit> pairs(const TermProblem& problem) {
-  constexpr int places = 9;
   constexpr std::size_t tried = 4;
   std::vector<TermFit> starts;
   for (const double width : {0.4, 1.0, 2.0}) {
-    const auto at = [&](int i) { return spread(Term::Kind::normal_spread, place(problem, i, places), width); };
-    for (int i = 0; i + 1 < places; ++i) {
-      std::vector<Term> others;
-      for (int k = i + 1; k < places; ++k) others.push_back(at(k));
-      add_local_minima(problem.along({constant, at(i)}, others), starts);
+    std::vector<Term> along;
+    for (const double at : places(problem, 9)) along.push_back(spread(Term::Kind::normal_spread, at, width));
+    for (auto next = along.begin(); next + 1 != along.end(); ++next) {
+      add_local_minima(problem.along({constant, *next}, {next + 1, along.end()}), starts);
     }
   }
   std::vector<TermFit> fits;
-  refine_best(problem, std::move(starts), tried, fits);
+  problem.refine_best(std::move(starts), tried, fits);
   return fits;
 }
 
