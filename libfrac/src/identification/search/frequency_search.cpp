@@ -69,6 +69,10 @@ GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, doub
       result.best = local_solve(FewResiduals(problem, std::move(*means)).residuals, result.best.theta, options);
       // So near, steps need no damping, which would make many of the last few along a valley.
       options.radius = 1e12;
+      // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
+      // standard error; sums of so many squares are known no better than some 1e-14.
+      constexpr double gain = 1e-6;
+      options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
     }
   }
   if (few.points.data.size() < problem.data.size()) {
