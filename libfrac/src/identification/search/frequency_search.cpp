@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "identification/search/start_values.hpp"
@@ -12,11 +13,10 @@
 namespace frac::detail {
 namespace {
 
-/// The problem at few of its points, or at few of these again.
+/// The problem at few of its points, at few of these again, or at means of them.
 struct FewResiduals {
-  FewResiduals(const FrequencyProblem& problem, const FrequencyResponseData& data, const ResidualRule& rule,
-               std::size_t count)
-      : points(thinned(data, rule, count)),
+  FewResiduals(const FrequencyProblem& problem, Thinned few)
+      : points(std::move(few)),
         residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule,
                   problem.options.assumptions.stable == true && problem.options.global_start) {
     residuals.set_priors(problem.priors, expected_noise);
@@ -32,7 +32,7 @@ GlobalSolution search_from_nothing(const FrequencyProblem& problem, const FewRes
   const std::vector<double> orders = suggested_orders(data);
   const std::uint64_t seed = problem.options.seed;
   if (2 * data.size() < 3 * scouted) return global_search(few.residuals, few.residuals, orders, seed, hopeless);
-  const FewResiduals fewer(problem, data, few.points.rule, scouted);
+  const FewResiduals fewer(problem, thinned(data, few.points.rule, scouted));
   return global_search(fewer.residuals, few.residuals, orders, seed, hopeless);
 }
 
@@ -54,13 +54,27 @@ GlobalSolution search_from_start(FrequencyProblem& problem, const FewResiduals& 
 
 GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, double settled) {
   // First iterations stay quick on so many points, and see the same shape.
-  const FewResiduals few(problem, problem.data, problem.rule, 500);
+  const FewResiduals few(problem, thinned(problem.data, problem.rule, 500));
   const bool blind = problem.options.global_start && !problem.map.free().empty();
   LocalOptions options;
   options.cost_tolerance = settled;
   GlobalSolution result =
       blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
   if (result.starts_at_best == 0) return result;
+  // The way along a valley is gone on means of very many points; their optimum is that of all points to a small part of
+  // its standard errors.
+  constexpr std::size_t bins = 10'000;
+  if (problem.data.size() > 2 * bins) {
+    if (auto means = binned(problem.data, problem.rule, bins)) {
+      result.best = local_solve(FewResiduals(problem, std::move(*means)).residuals, result.best.theta, options);
+      // So near, steps need no damping, which would make many of the last few along a valley.
+      options.radius = 1e12;
+      // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
+      // standard error; sums of so many squares are known no better than some 1e-14.
+      constexpr double gain = 1e-6;
+      options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
+    }
+  }
   if (few.points.data.size() < problem.data.size()) {
     result.best = local_solve(problem.residuals(), result.best.theta, options);
   }

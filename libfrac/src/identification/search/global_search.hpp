@@ -15,6 +15,7 @@ struct GlobalSolution {
   std::size_t starts_at_best = 0;  // of which ended at the best cost; 0: the model was finite nowhere it was tried
   std::size_t minima = 0;          // distinct ends of the independent starts
   double confidence = 0;           // probability that no lower minimum exists, NaN where nothing was searched
+  bool left_early = false;         // as hopeless, without walks to a lower minimum
 };
 
 /// What a global search is for: the optimum, with how sure that is, or a place to start other solves from, where it is
@@ -40,7 +41,7 @@ enum class SearchAim { optimum, start };
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
 /// @param hopeless  cost above which a minimum that enough agree on is left at that, without walks: something else
-///                  follows the data far better
+///                  follows the data far better.  An end from which the cost still falls is no minimum.
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
                                            const std::vector<double>& suggested_orders, std::uint64_t seed,
                                            double hopeless = std::numeric_limits<double>::infinity(),

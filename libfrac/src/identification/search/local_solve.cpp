@@ -190,7 +190,8 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
     problem.SetParameterUpperBound(theta, static_cast<int>(k), free[k].upper);
   }
 
-  const ceres::Solver::Options solver = solver_options(options.iterations, options.cost_tolerance);
+  ceres::Solver::Options solver = solver_options(options.iterations, options.cost_tolerance);
+  solver.initial_trust_region_radius = options.radius;
   ceres::Solver::Summary summary;
   // Scouts are judged from afar.
   constexpr double scouting = 1e-9;

@@ -19,6 +19,8 @@ struct LocalOptions {
   double cost_tolerance = 1e-14;  // relative change of the cost at which to stop
   Loss loss = Loss::none;
   double loss_scale = 1;  // residual at which the loss turns from quadratic to robust
+  /// Of the trust region at the start: 1/radius is the share of the curvature by which steps are damped.
+  double radius = 1e4;
 };
 
 /// The costs at theta, as of a solution that has converged there; infinite where the model is not finite.

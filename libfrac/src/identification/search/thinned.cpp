@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identification/search/thinned.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
@@ -30,6 +31,35 @@ Thinned thinned(const FrequencyResponseData& data, const ResidualRule& rule, std
     thin.weight.push_back(rule.weight[i]);
   }
   return {{std::move(omega), std::move(value)}, std::move(thin)};
+}
+
+std::optional<Thinned> binned(const FrequencyResponseData& data, const ResidualRule& rule, std::size_t count) {
+  const bool is_difference =
+      rule.form == ResidualForm::cartesian || rule.form == ResidualForm::real || rule.form == ResidualForm::imaginary;
+  const std::vector<double>& from = data.omega();
+  const double width = std::log(from.back() / from.front()) / static_cast<double>(count);
+  if (!is_difference || !(width > 0)) return std::nullopt;
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  ResidualRule means{rule.form, {}, rule.unit, rule.floor};
+  for (std::size_t first = 0, last = 0; first < from.size(); first = last) {
+    const double end = from.front() * std::exp(width * (std::floor(std::log(from[first] / from.front()) / width) + 1));
+    double largest = 0;  // squares of the weights themselves may overflow
+    for (last = first; last < from.size() && (last == first || from[last] < end); ++last)
+      largest = std::max(largest, rule.weight[last]);
+    double sum = 0, shift = 0;
+    std::complex<double> rest = 0;
+    for (std::size_t i = first; i < last; ++i) {
+      const double share = std::pow(rule.weight[i] / largest, 2);
+      sum += share;
+      shift += share * (from[i] - from[first]);
+      rest += share * (data.value()[i] - data.value()[first]);
+    }
+    omega.push_back(from[first] + shift / sum);
+    value.push_back(data.value()[first] + rest / sum);
+    means.weight.push_back(largest * std::sqrt(sum));
+  }
+  return Thinned{{std::move(omega), std::move(value)}, std::move(means)};
 }
 
 }  // namespace frac::detail
