@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Verdicts on records over time whose noise is of first order, among candidates that hold the true model, and of an
-// oscillator among lags, which do not describe it: how often the class is right, left open, wrong, or no candidate is
-// said to describe the record.  Prints
-// model,correlation,right,undecided,wrong,no candidate,of.  Arguments: [records of each kind] [first seed], or --smoke.
+// Verdicts on records over time whose noise is of first order, among presets that hold the true model, and of three
+// lags and of an oscillator among lags, which no preset of the list describes: how often the class is right, left open,
+// wrong, or no candidate is said to describe the record.  Prints model,correlation,right,undecided,wrong,no
+// candidate,of.  Arguments: [records of each kind] [first seed], or --smoke.
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -22,8 +22,9 @@ struct Plant {
   bool fractional;
   bool among_lags = false;
 };
-constexpr std::array<Plant, 5> plants{{{"lag", "2/(1.5 s + 1)", false},
+constexpr std::array<Plant, 6> plants{{{"lag", "2/(1.5 s + 1)", false},
                                        {"oscillator", "2/(0.5 s^2 + 0.4 s + 1)", false},
+                                       {"three lags", "2/((2 s + 1) (s + 1) (0.4 s + 1))", false},
                                        {"oscillator among lags", "2/(0.5 s^2 + 0.4 s + 1)", false, true},
                                        {"fractional lag 0.6", "2/(1.5 s^0.6 + 1)", true},
                                        {"fractional lag 0.8", "2/(1.5 s^0.8 + 1)", true}}};

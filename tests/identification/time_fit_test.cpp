@@ -3,16 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <tuple>
 
+#include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "support/exact_output.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/periodic_records.hpp"
 #include "support/random.hpp"
 #include "support/time_cramer_rao.hpp"
 
@@ -66,6 +69,66 @@ void expect_values(const FitResult& result, const std::vector<std::pair<const ch
 constexpr double to_rounding = 1e-11;
 
 }  // namespace
+
+// K and the offset are linear: what they are in noise of correlation r^|i - j| between samples i and j is written out,
+// (X' C^-1 X)^-1 X' C^-1 y, also where samples are missing.
+TEST(TimeFit, InNoiseOfAToldCorrelationIsGeneralisedLeastSquares) {
+  constexpr double r = 0.8;
+  const std::vector<double> time = even_times(10, 101);
+  support::Random random(5);
+  std::vector<double> input;
+  for (std::size_t i = 0; i < time.size(); ++i) input.push_back(i % 10 == 0 ? random.normal() : input.back());
+  const std::vector<double> unit =
+      support::exact_output(FractionalTransferFunction::parse("1/(1.5 s + 1)"), time, input, Hold::zero_order);
+  std::vector<double> output = unit;
+  const std::vector<double> noise = support::first_order_noise(time.size(), r, random);
+  for (std::size_t i = 0; i < output.size(); ++i) output[i] = 2 * output[i] + 0.3 + 0.05 * noise[i];
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < time.size(); ++i)
+    if (i % 7 != 3) index.push_back(i);
+
+  const auto count = static_cast<Eigen::Index>(index.size());
+  Eigen::MatrixXd columns(count, 2), covariance(count, count);
+  Eigen::VectorXd values(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t at = index[static_cast<std::size_t>(i)];
+    columns.row(i) << unit[at], 1;
+    values[i] = output[at];
+    for (Eigen::Index j = 0; j < count; ++j)
+      covariance(i, j) =
+          std::pow(r, std::abs(static_cast<double>(at) - static_cast<double>(index[static_cast<std::size_t>(j)])));
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  const Eigen::MatrixXd inverse = (columns.transpose() * factor.solve(columns)).inverse();
+  const Eigen::VectorXd best = inverse * (columns.transpose() * factor.solve(values));
+  const Eigen::VectorXd rest = values - columns * best;
+  const double cost = rest.dot(factor.solve(rest));
+
+  TimeFitOptions options;
+  options.noise_correlation = r;
+  const TimeResponseData data = TimeResponseData(time, input, output).observed_at(index);
+  // The solve ends with a step that changes the cost by less than 1e-14 of it, which is sqrt(1e-14 n) = 1e-6 of a
+  // standard error.
+  constexpr double tolerance = 3e-6;
+  for (const bool offset_is_told : {false, true}) {
+    if (offset_is_told) options.offset = best[1];
+    const FitResult result = frac::fit(data, Structure("K/(1.5 s + 1)"), options);
+    const double degrees = static_cast<double>(count) - (offset_is_told ? 1 : 2);
+    const double variance =
+        cost / degrees * (offset_is_told ? 1 / columns.col(0).dot(factor.solve(columns.col(0))) : inverse(0, 0));
+    const auto& gain = estimate(result, "K");
+    EXPECT_NEAR(result.cost, cost, tolerance * cost);
+    EXPECT_NEAR(gain.value, best[0], tolerance * std::sqrt(variance));
+    EXPECT_NEAR(gain.standard_error, gain.widening * std::sqrt(variance), tolerance * std::sqrt(variance));
+    EXPECT_EQ(result.noise_correlation, r);
+    EXPECT_TRUE(frac::lack_of_fit(data, options, result).adequate);
+  }
+  for (const double none : {-0.1, 1.0, std::nan("")}) {
+    options.noise_correlation = none;
+    expect_invalid_argument([&] { static_cast<void>(frac::fit(data, Structure("K/(1.5 s + 1)"), options)); },
+                            {"noise_correlation"});
+  }
+}
 
 TEST(TimeFit, OrdersOfTheFurnaceComeBackFromAnIntegerStart) {
   TimeFitOptions options;

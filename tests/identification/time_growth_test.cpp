@@ -9,7 +9,9 @@
 
 #include "frac/identification/identify.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/model_library.hpp"
 #include "frac/mittag_leffler.hpp"
+#include "support/periodic_records.hpp"
 
 namespace {
 
@@ -204,6 +206,56 @@ TEST(Verdict, OverTimeThreeLagsAreNotFractional) {
   models.push_back(frac::find_model("fractional-oscillator"));
   const auto result = frac::identify(step_record(three_lags, 15, 151, 1e-3, 3), models, frac::TimeFitOptions{});
   EXPECT_EQ(result.verdict, frac::Verdict::fractional_not_supported) << result.verdict_sentence;
+}
+
+/// 200 samples of the answer to levels that change every few samples, in noise of first order, `noise` of its rms.
+frac::TimeResponseData switched_record(const char* formula, double noise, double correlation, std::uint64_t seed) {
+  support::Random random(seed);
+  constexpr std::size_t count = 200;
+  std::vector<double> time, input;
+  for (std::size_t i = 0; i < count; ++i) {
+    time.push_back(0.1 * static_cast<double>(i));
+    input.push_back(i > 0 && random.unit() < 0.9 ? input.back() : random.normal());
+  }
+  auto output = frac::respond(frac::FractionalTransferFunction::parse(formula),
+                              frac::SampledInput{time, input, frac::Hold::zero_order}, time, 1e-9)
+                    .output;
+  double square = 0;
+  for (const double each : output) square += each * each;
+  const double deviation = noise * std::sqrt(square / count);
+  const std::vector<double> unit = support::first_order_noise(count, correlation, random);
+  for (std::size_t i = 0; i < count; ++i) output[i] += deviation * unit[i];
+  return {time, input, output};
+}
+
+// What the data tell is the same where each value of the noise keeps 0.8 of the one before: the input changes the
+// output faster.  An estimate of 0.8 from 200 samples has a standard deviation of sqrt((1 - 0.8^2)/200) = 0.04, and
+// four parameters take up to (1 + 3 0.8 + 4)/200 = 0.04 from it (Kendall 1954).
+TEST(Verdict, OverTimeCorrelatedNoiseHidesNoClass) {
+  std::vector<frac::NamedModel> models;
+  for (const char* name : {"lag", "lag-delay", "oscillator", "fractional-lag", "rational"})
+    models.push_back(frac::find_model(name));
+  const auto whole = frac::identify(switched_record("2/(1.5 s + 1)", 0.01, 0.8, 1), models, frac::TimeFitOptions{});
+  EXPECT_EQ(whole.verdict, frac::Verdict::fractional_not_supported) << whole.verdict_sentence;
+  const auto other = frac::identify(switched_record("2/(1.5 s^0.6 + 1)", 0.01, 0.8, 1), models, frac::TimeFitOptions{});
+  EXPECT_EQ(other.verdict, frac::Verdict::fractional_supported) << other.verdict_sentence;
+  for (const auto& result : {whole, other}) {
+    EXPECT_NEAR(result.noise_correlation, 0.8, 0.04 + 3 * 0.04);
+    for (const auto& candidate : result.ranking)
+      EXPECT_EQ(candidate.fit.noise_correlation, result.noise_correlation) << candidate.name;
+  }
+}
+
+// Lags miss the shape of an oscillator, and the nearest of them is fractional: what it misses passes for slow noise.
+TEST(Verdict, OverTimeAShapeThatAllCandidatesMissIsNoFractionalOrder) {
+  std::vector<frac::NamedModel> lags;
+  for (const char* name : {"lag", "lag-delay", "fractional-lag", "fractional-lag-delay"})
+    lags.push_back(frac::find_model(name));
+  for (const double correlation : {0.0, 0.95}) {
+    const auto result =
+        frac::identify(switched_record("2/(0.5 s^2 + 0.4 s + 1)", 0.03, correlation, 2), lags, frac::TimeFitOptions{});
+    EXPECT_NE(result.verdict, frac::Verdict::fractional_supported) << result.verdict_sentence;
+  }
 }
 
 }  // namespace

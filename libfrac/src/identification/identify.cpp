@@ -19,6 +19,7 @@
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
 #include "identification/statistics/curvature_fit.hpp"
+#include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
@@ -45,6 +46,7 @@ struct Outcome {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
+  double unpaid = 0;
   /// Whether it stands for an unstable member of its family, which follows the data closer and takes its part in the
   /// verdict: that is about orders, whatever is assumed of poles.
   bool stands_in = false;
@@ -130,6 +132,7 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
   outcome.approximates = members.approximates;
+  outcome.unpaid = members.unpaid;
   outcome.stands_in = members.stands_in;
   outcome.passive = members.passive;
 }
@@ -253,33 +256,19 @@ double learned_floor(const FrequencyResponseData& data, const FitOptions& option
   return *trial.noise_floor;
 }
 
-/// The noise is the same for all candidates: where one of them leaves it white, those that need it correlated miss a
-/// shape.
-void keep_to_white_noise(const FrequencyResponseData&, std::vector<detail::Competitor>&) {}
-void keep_to_white_noise(const TimeResponseData& data, std::vector<detail::Competitor>& competitors) {
-  std::vector<double> time;
-  for (const std::size_t i : data.observed()) time.push_back(data.time()[i]);
-  std::vector<LackOfFit> white;
-  bool one_is_white = false;
-  for (const detail::Competitor& each : competitors) {
-    const FitResult& fit = each.ranked.fit;
-    white.push_back(detail::meets_exactly(each) ? each.ranked.lack_of_fit
-                                                : detail::residual_tests(each.residual, 1, time, fit.free_parameters,
-                                                                         !data.sigma().empty(), 0));
-    one_is_white = one_is_white || (fit.termination == FitTermination::converged && white.back().adequate);
-  }
-  if (!one_is_white) return;
-  for (std::size_t i = 0; i < competitors.size(); ++i) competitors[i].ranked.lack_of_fit = std::move(white[i]);
-}
+/// What became of all candidates.
+struct FittedCandidates {
+  std::vector<detail::Competitor> competitors, passive;
+  std::vector<std::string> skipped;         // with the reason
+  std::vector<std::string> skipped_rivals;  // names of those of integer order
+};
 
 /// @param ratios  see resolve()
 template <class Data, class Options>
-IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
-                            const std::vector<ComparedCurve>& curves, const Options& options,
-                            detail::RatioGrowths& ratios, int threads) {
-  if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
+FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedModel>& models, const Options& options,
+                                   detail::RatioGrowths& ratios, int threads) {
   std::vector<Outcome> outcomes;
-  outcomes.reserve(models.size() + curves.size());
+  outcomes.reserve(models.size());
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
   // Families first: presets that miss by far more than they do need no walk beyond their optimum, and no profiles.
   const auto first_preset = std::stable_partition(outcomes.begin(), outcomes.end(),
@@ -301,27 +290,39 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   outcomes.insert(outcomes.end(), others.begin(), others.end());
   start_from_contained(data, options, outcomes);
 
-  IdentificationResult result{};
-  std::vector<detail::Competitor> competitors, passive;
-  std::vector<std::string> skipped_rivals;
+  FittedCandidates candidates;
   for (Outcome& outcome : outcomes) {
     if (!outcome.fit) {
-      result.skipped.push_back(outcome.model.name + ": " + outcome.reason);
+      candidates.skipped.push_back(outcome.model.name + ": " + outcome.reason);
       if (outcome.model.model_class != ModelClass::fractional && !outcome.refuted)
-        skipped_rivals.push_back(outcome.model.name);
+        candidates.skipped_rivals.push_back(outcome.model.name);
       continue;
     }
-    LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
+    LackOfFit lack = [&] {
+      if constexpr (detail::is_response<Data>)
+        return lack_of_fit(data, options, *outcome.fit);
+      else
+        return detail::tests_in_told_noise(data, options, residual, outcome.fit->free_parameters);
+    }();
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
-    (outcome.passive ? passive : competitors)
+    (outcome.passive ? candidates.passive : candidates.competitors)
         .push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates,
-                    outcome.stands_in, outcome.passive});
+                    outcome.unpaid, outcome.stands_in, outcome.passive});
   }
-  keep_to_white_noise(data, competitors);
+  return candidates;
+}
+
+/// The ranking of the candidates and the verdict on it.
+template <class Data, class Options>
+IdentificationResult ranked(const Data& data, FittedCandidates candidates, const std::vector<ComparedCurve>& curves,
+                            const Options& options) {
+  IdentificationResult result{};
+  result.skipped = std::move(candidates.skipped);
+  std::vector<detail::Competitor> competitors = std::move(candidates.competitors);
   detail::merge_equivalent(competitors, data, options);
-  competitors.insert(competitors.end(), passive.begin(), passive.end());
+  competitors.insert(competitors.end(), candidates.passive.begin(), candidates.passive.end());
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
@@ -342,7 +343,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     result.ranking.push_back(competitor.ranked);
   }
   result.chosen = chosen_of(result.ranking);
-  detail::judge(result, data, options, competitors, skipped_rivals);
+  detail::judge(result, data, options, competitors, candidates.skipped_rivals);
   keep_to_verdict(result);
   // Over time nothing is assumed, and no sums of elements grow.
   if constexpr (detail::is_response<Data>) {
@@ -352,6 +353,65 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   const RankedFit& chosen = result.ranking.at(result.chosen);
   if (!chosen.model.remark.empty()) result.notes.push_back(chosen.model.remark);
   return result;
+}
+
+void require_candidate(std::size_t count) {
+  if (count == 0) throw std::invalid_argument("identify needs at least one candidate");
+}
+
+/// Whether two correlations differ by less than half the standard deviation of an estimate from so many values.
+bool same_correlation(double one, double other, double count) {
+  return std::abs(one - other) < 0.5 * std::sqrt((1 - one * one) / count);
+}
+
+/// The correlation of the noise of a record.  The noise is the same for all candidates: it is what the most likely of
+/// them in noise of first order leaves, priced for its parameters, and white where its residuals are.
+/// @param white  options of fits in white noise
+double noise_correlation(const TimeResponseData& data, const TimeFitOptions& white,
+                         const std::vector<detail::Competitor>& competitors) {
+  const auto count = static_cast<double>(detail::points(data));
+  const detail::Competitor* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> left;  // by the best one
+  for (const detail::Competitor& each : competitors) {
+    if (each.ranked.fit.termination != FitTermination::converged || !detail::is_comparable(each)) continue;
+    if (detail::meets_exactly(each)) return 0;
+    std::vector<double> residual = detail::weighted_residuals(data, white, each.ranked.fit);
+    const double value =
+        -2 * detail::first_order_likelihood(residual).logarithm + detail::price_of_parameters(each.parameters(), count);
+    if (!(value < least)) continue;
+    least = value;
+    best = &each;
+    left = std::move(residual);
+  }
+  if (!best || detail::tests_in_told_noise(data, white, left, best->ranked.fit.free_parameters).adequate) return 0;
+  double r = detail::first_order_likelihood(left).correlation;
+  TimeFitOptions again = white;
+  const auto& own = best->ranked.model.constraints;
+  again.constraints.insert(again.constraints.end(), own.begin(), own.end());
+  const Structure structure(best->ranked.fit.model);
+  FitResult fit = best->ranked.fit;
+  // Least squares in white noise take a share of slow noise for a response; each round takes less.
+  constexpr int most_rounds = 5;
+  for (int round = 0; round < most_rounds; ++round) {
+    again.noise_correlation = r;
+    fit = detail::refit(data, structure, detail::started_at(again, fit));
+    if (fit.termination == FitTermination::no_usable_start) break;
+    const double next = detail::first_order_likelihood(detail::weighted_residuals(data, white, fit)).correlation;
+    const bool is_settled = same_correlation(next, r, count);
+    r = next;
+    if (is_settled) break;
+  }
+  return r;
+}
+
+/// Whether a class was told over time although no ratios in s took part.  Other whole orders than those of a list may
+/// describe a record, the more so where the noise is correlated: it hides what a model misses.
+bool asks_for_ratios(const IdentificationResult& result, const std::vector<NamedModel>& models) {
+  const bool told = result.verdict == Verdict::fractional_supported ||
+                    (result.verdict == Verdict::fractional_not_supported && result.noise_correlation > 0);
+  return told && std::none_of(models.begin(), models.end(),
+                              [](const NamedModel& each) { return each.rational && !each.rational->free_order; });
 }
 
 }  // namespace
@@ -374,6 +434,7 @@ std::string_view to_string(Verdict verdict) {
 
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
+  require_candidate(models.size() + curves.size());
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
   static_cast<void>(detail::residual_rule(data, options));
   FitOptions told_floor = options;
@@ -385,7 +446,8 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   residuals.reserve(curves.size());
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
-  IdentificationResult result = ranked(data, models, residuals, told_floor, *ratios, threads);
+  IdentificationResult result =
+      ranked(data, fitted_candidates(data, models, told_floor, *ratios, threads), residuals, told_floor);
   result.noise_floor = told_floor.noise_floor.value_or(0);
   for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
   return result;
@@ -393,9 +455,33 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
 
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
                               const TimeFitOptions& options, int threads) {
+  require_candidate(models.size());
   detail::RatioGrowths none;  // over time each family grows by itself
-  IdentificationResult result = ranked(data, models, {}, options, none, threads);
-  detail::add_background_advice(data, options, result);
+  TimeFitOptions in_noise = options;
+  const auto judged = [&](const std::vector<NamedModel>& candidates) {
+    FittedCandidates found = fitted_candidates(data, candidates, in_noise, none, threads);
+    // Families that grew in white noise have taken slow noise for poles; in each round fewer of them are the best.
+    constexpr int most_rounds = 3;
+    for (int round = 1; round < most_rounds && options.noise_correlation == 0; ++round) {
+      const double r = noise_correlation(data, options, found.competitors);
+      if (same_correlation(r, in_noise.noise_correlation, static_cast<double>(detail::points(data)))) break;
+      in_noise.noise_correlation = r;
+      found = fitted_candidates(data, candidates, in_noise, none, threads);
+    }
+    IdentificationResult result = ranked(data, std::move(found), {}, in_noise);
+    result.noise_correlation = in_noise.noise_correlation;
+    return result;
+  };
+  IdentificationResult result = judged(models);
+  if (asks_for_ratios(result, models)) {
+    std::vector<NamedModel> more = models;
+    more.push_back(find_model("rational"));
+    result = judged(more);
+    result.notes.emplace_back(
+        "Ratios in s were grown beside the candidates given, as a class is told from these data "
+        "only beside whole orders of any number of poles.");
+  }
+  detail::add_background_advice(data, in_noise, result);
   return result;
 }
 

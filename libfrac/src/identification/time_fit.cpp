@@ -73,6 +73,10 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
   if (options.offset && !std::isfinite(*options.offset)) {
     throw std::invalid_argument("offset = " + std::to_string(*options.offset) + "; allowed is a finite number");
   }
+  if (!(options.noise_correlation >= 0 && options.noise_correlation < 1)) {
+    throw std::invalid_argument("noise_correlation = " + detail::number_text(options.noise_correlation) +
+                                "; allowed is 0 (white noise) to below 1");
+  }
   // Whether it reduces does not depend on the values; those of a start may be missing.
   std::vector<double> values;
   for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
@@ -221,6 +225,7 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
   if (changes || data.observed().size() <= structure.parameter_names().size() + 1) return std::nullopt;
   TimeFitOptions plain = options;
   plain.trend = plain.earlier_input = false;
+  plain.noise_correlation = 0;
   const auto problem = detail::TimeProblem(data, structure, plain).with_offset(0);
   const detail::ParameterMap& map = problem->map;
   const detail::TimeResiduals residuals = problem->residuals_at(data.observed(), 1e-10);
@@ -403,6 +408,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
     return result;
   }
   describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
+  if (options.noise_correlation > 0) result.noise_correlation = options.noise_correlation;
   describe_residuals(result, residuals, local, found, best.theta, unit);
   for (std::size_t& point : result.outliers) point = data.observed()[point];
   append_background(result, residuals, best.theta, data, options, found);

@@ -63,6 +63,7 @@ class IdentificationNumbers:
     notes: list[str]
     log10_odds: float
     model_error: bool
+    noise_correlation: float
     noise_floor: float
 
 

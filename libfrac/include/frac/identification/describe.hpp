@@ -219,6 +219,9 @@ void describe(Result& result, const Visit& visit) {
         "decimal logarithm of the odds of fractional to integer order; both may be far from the truth",
         result.log10_odds);
   visit("model_error", "", "whether no candidate follows the data to within their noise", result.model_error);
+  visit("noise_correlation", "1",
+        "over time, correlation of neighbouring values of the noise that all candidates were fitted with",
+        result.noise_correlation);
   visit("noise_floor", "value", "floor of weight learned, which all candidates share; 0 without one",
         result.noise_floor);
 }

@@ -100,14 +100,21 @@ struct DistributionRival {
 /// residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that carry
 /// news, n (1 - r)/(1 + r).
 ///
+/// Over time the noise may be of first order (TimeFitOptions::noise_correlation).  Its r is the most likely one beside
+/// the candidate that is the most likely in such noise, each priced for its parameters, and 0 where that one leaves
+/// white residuals.  All candidates are fitted, tested and compared in that noise.  A shape that all candidates miss
+/// may pass for slow noise.  So where a class is told in correlated noise, or a fractional order supported, and no
+/// family of ratios in s is among the candidates, one is grown beside them and all is judged anew.
+///
 /// An order departs where it lies 0.1 or more from every whole number.  Departure evidence is that of the best
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
 /// them.
 ///
-/// supported      evidence above 10 (over time above 20), cross-validation not
-///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
-///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
-///                one, and no integer-order candidate that could not be fitted.
+/// supported      evidence above 10, over time also against those ratios whose poles did not pay for themselves, with
+///                these for nothing; cross-validation not worse by more than a twentieth and extrapolation not by more
+///                than a quarter, an order whose interval (widened by the correlation) excludes every whole number
+///                while not every order lies within 0.02 of one, and no integer-order candidate that could not be
+///                fitted.
 /// fractional or
 /// distribution   the same, but distributed relaxation times (DistributionRival) follow the data as well or better:
 ///                evidence against them is not above 10.
@@ -123,6 +130,8 @@ struct DistributionRival {
 ///                ends is missed by no more than a hundred times the residuals.
 /// undecided      anything else, with the next measurement that would decide.  So where one value in twenty repeats its
 ///                neighbour's, as by coarse rounding, and the better one has more parameters: it may follow the steps.
+///
+/// A response of which both parts are fitted and that validate() calls invalid supports no fractional order: undecided.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
 /// noise is rounding, or of careful measurements.  The same rules then compare the two that come closest, since their
@@ -161,6 +170,8 @@ struct IdentificationResult {
   double differ_most_omega, differ_most;
   bool model_error = false;             // no candidate follows the data to within their noise
   std::optional<NextMeasurement> next;  // where undecided between two models of a frequency response
+  /// Over time: r of TimeFitOptions::noise_correlation that all candidates were fitted with.
+  double noise_correlation = 0;
   /// Floor of weight `learned` that all candidates were fitted with, in the unit of the data; 0 under other weights.
   double noise_floor = 0;
 };

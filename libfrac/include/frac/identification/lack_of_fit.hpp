@@ -25,7 +25,8 @@ enum class NoiseSource {
 /// one and the Ljung-Box statistic, on residuals clipped at three robust standard deviations so that a single outlier
 /// does not hide a shape.  A fit fails where either chance is below 1e-3.  Below ten points nothing can be told from
 /// the data alone and the fit passes.  Over time the noise may be of first order, each value the r-th part of the one
-/// before and white noise: residuals that are not white have to be so once that part is taken away.
+/// before and white noise: residuals that are not white have to be so once that part is taken away.  Where the options
+/// of the fit tell r, residuals freed of that correlation have to be white.
 struct LackOfFit {
   NoiseSource source;
   double noise;                // standard deviation of a weighted residual as the source tells it

@@ -22,6 +22,10 @@ struct TimeFitOptions {
   /// own, are estimated with the rest (FitResult::earlier_input).  For a record whose input never changes the level up
   /// to the first sample is not told from the gain, so it stays at rest.
   bool earlier_input = false;
+  /// r of noise of first order, from 0 (white) to below 1: each value is the r-th part of the one a sample before and
+  /// white noise.  Residuals are freed of that part and brought back to the size of the noise, so that least squares
+  /// are the most likely parameters; cost, criteria and intervals are those of these residuals.
+  double noise_correlation = 0;
   Loss loss = Loss::none;
   std::optional<double> loss_scale;  // as in FitOptions
   std::uint64_t seed = 1;            // of the multi-start; same seed, same result

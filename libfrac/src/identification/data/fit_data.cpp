@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "frac/identification/constraints.hpp"
+#include "identification/data/first_order_whitening.hpp"
 #include "residual_rule.hpp"
 
 namespace frac {
@@ -77,6 +78,7 @@ std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeF
   for (const std::size_t i : data.observed()) {
     residual.push_back((model[i] - data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
   }
+  FirstOrderWhitening(data.observed(), options.noise_correlation).apply(residual);
   return residual;
 }
 

@@ -35,7 +35,8 @@ inline constexpr const char* drift_name = "drift";
 template <class Options>
 [[nodiscard]] Options started_at(Options options, const FitResult& result);
 
-/// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
+/// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point(); over
+/// time freed of the correlation of the noise that the options tell.
 [[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
                                                      const FitResult& result);
 [[nodiscard]] std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeFitOptions& options,

@@ -49,6 +49,10 @@ double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   return unit > 0 ? unit : 1;
 }
 
+Background background_of(const TimeFitOptions& options) {
+  return {options.offset, options.trend, options.earlier_input, options.noise_correlation};
+}
+
 }  // namespace
 
 double length_of(const TimeResponseData& data) {
@@ -86,15 +90,13 @@ TimeProblem::TimeProblem(const TimeProblem& like, TimeFitOptions known, std::vec
 
 TimeResiduals& TimeProblem::residuals() {
   if (!residuals_)
-    residuals_.emplace(data, structure, map, Background{options.offset, options.trend, options.earlier_input},
-                       data.observed(), finest_simulation, unit, priors, periodic_);
+    residuals_.emplace(data, structure, map, background_of(options), data.observed(), finest_simulation, unit, priors,
+                       periodic_);
   return *residuals_;
 }
 
 TimeResiduals TimeProblem::residuals_at(std::vector<std::size_t> index, double tolerance) const {
-  return {
-      data, structure, map,      {options.offset, options.trend, options.earlier_input}, std::move(index), tolerance,
-      unit, priors,    periodic_};
+  return {data, structure, map, background_of(options), std::move(index), tolerance, unit, priors, periodic_};
 }
 
 std::unique_ptr<TimeProblem> TimeProblem::with_offset(double offset) const {

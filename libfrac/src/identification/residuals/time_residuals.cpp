@@ -84,6 +84,7 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
       trend_(background.trend),
       index_(std::move(index)),
       tolerance_(tolerance),
+      whitening_(index_, background.noise_correlation),
       response_(data, index_, std::move(periodic)) {
   set_priors(priors, expected_noise);
   const auto count = static_cast<Eigen::Index>(index_.size());
@@ -108,6 +109,7 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
       fixed_columns_(i, fixed_columns_.cols() - 1) = weight_[i] * since;
     }
   }
+  whiten(fixed_columns_);
   if (background.earlier_input) earlier_ = earlier_steps(data, index_);
   earlier_model_.resize(earlier_.size());
 }
@@ -129,8 +131,7 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
   if (!simulate(theta)) return false;
   Eigen::VectorXd rest = model_.value - output_;
   if (eliminated() > 0 && !only_offset()) {
-    if (fixed_offset_) rest.array() += *fixed_offset_;
-    rest.array() *= weight_.array();
+    rest = without_background(model_.value);
     const Eigen::MatrixXd columns = eliminated_columns();
     const Eigen::VectorXd coefficient = coefficients(columns, rest);
     Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest + columns * coefficient;
@@ -142,6 +143,7 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
   }
   rest.array() += fixed_offset_ ? *fixed_offset_ : -location(rest);
   rest.array() *= weight_.array();
+  whiten(rest);
   Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest;
   if (!jacobian) return true;
   Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
@@ -157,7 +159,21 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
     by_theta.rowwise() -= mean;
   }
   by_theta.array().colwise() *= weight_.array();
+  whiten(by_theta);
   return by_theta.allFinite();
+}
+
+void TimeResiduals::whiten(Eigen::Ref<Eigen::MatrixXd> columns) const {
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    whitening_.apply({columns.col(k).data(), static_cast<std::size_t>(columns.rows())});
+}
+
+Eigen::VectorXd TimeResiduals::without_background(const Eigen::VectorXd& model) const {
+  Eigen::VectorXd rest = model - output_;
+  if (fixed_offset_) rest.array() += *fixed_offset_;
+  rest.array() *= weight_.array();
+  whiten(rest);
+  return rest;
 }
 
 Eigen::MatrixXd TimeResiduals::eliminated_columns() const {
@@ -167,6 +183,7 @@ Eigen::MatrixXd TimeResiduals::eliminated_columns() const {
     columns.col(fixed_columns_.cols() + static_cast<Eigen::Index>(k)) =
         weight_.array() * earlier_model_[k].value.array();
   }
+  whiten(columns.rightCols(static_cast<Eigen::Index>(earlier_.size())));
   return columns;
 }
 
@@ -176,6 +193,7 @@ Eigen::MatrixXd TimeResiduals::weighted_gradient(const Eigen::VectorXd& coeffici
     gradient += coefficient[fixed_columns_.cols() + static_cast<Eigen::Index>(k)] * earlier_model_[k].gradient;
   }
   gradient.array().colwise() *= weight_.array();
+  whiten(gradient);
   return gradient;
 }
 
@@ -249,10 +267,7 @@ TimeResiduals::Eliminated TimeResiduals::eliminated_at(std::span<const double> t
   if (only_offset()) {
     result.coefficient = Eigen::VectorXd::Constant(1, location(output_ - model_.value));
   } else {
-    Eigen::VectorXd rest = model_.value - output_;
-    if (fixed_offset_) rest.array() += *fixed_offset_;
-    rest.array() *= weight_.array();
-    result.coefficient = coefficients(eliminated_columns(), rest);
+    result.coefficient = coefficients(eliminated_columns(), without_background(model_.value));
   }
   result.gradient = weighted_gradient(result.coefficient);
   return result;
@@ -270,19 +285,13 @@ Eigen::MatrixXd TimeResiduals::possible_background(std::span<const double> theta
     if (!ratio || !steps[k].evaluate(*ratio, tolerance_, response)) return {};
     columns.col(static_cast<Eigen::Index>(k) + 1) = weight_.array() * response.value.array();
   }
+  whiten(columns);
   return columns;
 }
 
 std::vector<double> TimeResiduals::without_response() const {
-  Eigen::VectorXd rest = -output_;
-  if (fixed_columns_.cols() == (fixed_offset_ ? 0 : 1)) {
-    rest.array() += fixed_offset_ ? *fixed_offset_ : location(output_);
-    rest.array() *= weight_.array();
-  } else {
-    if (fixed_offset_) rest.array() += *fixed_offset_;
-    rest.array() *= weight_.array();
-    rest += fixed_columns_ * coefficients(fixed_columns_, rest);
-  }
+  Eigen::VectorXd rest = without_background(Eigen::VectorXd::Zero(output_.size()));
+  if (fixed_columns_.cols() > 0) rest += fixed_columns_ * coefficients(fixed_columns_, rest);
   return {rest.begin(), rest.end()};
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frac/model/time_response_data.hpp"
+#include "identification/data/first_order_whitening.hpp"
 #include "residuals.hpp"
 #include "time_response/event_response.hpp"
 #include "time_response/steady_response.hpp"
@@ -35,11 +36,12 @@ class RecordResponse {
 [[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
                                                        Sensitivity sensitivity = Sensitivity::all);
 
-/// What the output shows besides the response to the input; see TimeFitOptions.
+/// What the output shows besides the response to the input, and how its noise follows itself; see TimeFitOptions.
 struct Background {
   std::optional<double> offset;  // unset: estimated
   bool trend = false;
   bool earlier_input = false;
+  double noise_correlation = 0;
 };
 
 /// Responses to unit steps of the input before the record, an eighth and a sixty-fourth of its length before the first
@@ -49,7 +51,8 @@ struct Background {
 
 /// Residuals (model + background - output)/sigma in units of `unit`.  What is free of the background is linear and
 /// projected out: at every theta it has the values that make the loss least.  The derivatives of its columns by theta
-/// are kept along the columns' complement only (Kaufman 1975), which leaves gradient and covariance exact.
+/// are kept along the columns' complement only (Kaufman 1975), which leaves gradient and covariance exact.  Residuals,
+/// columns and derivatives are freed of the noise's correlation alike (FirstOrderWhitening).
 class TimeResiduals final : public Residuals {
  public:
   /// @param index      outputs used
@@ -91,7 +94,13 @@ class TimeResiduals final : public Residuals {
  private:
   bool simulate(std::span<const double> theta) const;
   /// Whether the offset alone is free of the background, as in most fits.
-  [[nodiscard]] bool only_offset() const { return !fixed_offset_ && !trend_ && earlier_.empty(); }
+  [[nodiscard]] bool only_offset() const {
+    return !fixed_offset_ && !trend_ && earlier_.empty() && whitening_.changes_nothing();
+  }
+  /// Columns of values at the outputs, freed of the noise's correlation.
+  void whiten(Eigen::Ref<Eigen::MatrixXd> columns) const;
+  /// Weighted residuals of a model with the fixed offset, and what is free of the background at 0.
+  [[nodiscard]] Eigen::VectorXd without_background(const Eigen::VectorXd& model) const;
   /// What to subtract from values with the weights of the residuals to make the loss least.
   [[nodiscard]] double location(const Eigen::VectorXd& values) const;
   /// Coefficients of `columns` that, added to weighted residuals, make the loss least.
@@ -105,6 +114,7 @@ class TimeResiduals final : public Residuals {
   bool trend_;
   std::vector<std::size_t> index_;
   double tolerance_;
+  FirstOrderWhitening whitening_;
   Loss loss_ = Loss::none;
   double loss_scale_ = 1;
   RecordResponse response_;
@@ -112,7 +122,7 @@ class TimeResiduals final : public Residuals {
   Eigen::VectorXd average_;  // weights of the mean that the offset is, sum 1
   Eigen::VectorXd output_;
   double largest_model_;           // beyond which an offset would have to cancel the model and leave rounding
-  Eigen::MatrixXd fixed_columns_;  // weighted, of offset and trend
+  Eigen::MatrixXd fixed_columns_;  // weighted and whitened, of offset and trend
   std::vector<EventResponse> earlier_;
   mutable std::vector<EventResponse::Result> earlier_model_;
   mutable EventResponse::Result model_;

@@ -104,7 +104,8 @@ bool is_exact(double square, std::size_t count, double rounding) {
 }  // namespace
 
 LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t per_point,
-                                 std::span<const double> abscissa, std::size_t parameters, bool told, double rounding) {
+                                 std::span<const double> abscissa, std::size_t parameters, bool told, double rounding,
+                                 bool whitened) {
   LackOfFit result{told ? NoiseSource::sigma : NoiseSource::data, 1, nan, nan, nan, nan, true, {}};
   const auto count = static_cast<double>(residual.size());
   const double degrees = count - static_cast<double>(parameters);
@@ -130,10 +131,11 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
     // -parameters/count, with a variance of 1/count.
     const double expected = -static_cast<double>(parameters) / count;
     const double deviate = (result.correlation - expected) * std::sqrt(count);
-    const double chance = detail::normal_above(deviate);
+    const double chance = whitened ? 2 * detail::normal_above(std::abs(deviate)) : detail::normal_above(deviate);
     const double of_all = whiteness(tame, per_point).p_value;
     // The smaller of two chances, doubled because there were two (Bonferroni).
-    result.correlation_p_value = std::min(1.0, 2 * (result.correlation > 0 ? std::min(chance, of_all) : chance));
+    result.correlation_p_value =
+        std::min(1.0, 2 * (result.correlation > 0 || whitened ? std::min(chance, of_all) : chance));
     result.adequate = result.adequate && !(result.correlation_p_value < detail::least_chance);
   }
   if (!result.adequate) result.misses = missed_bands(tame, per_point, abscissa, result.noise);
@@ -215,15 +217,38 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
   return test;
 }
 
-LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
-  std::vector<double> times;
-  double size = 0;
+namespace {
+
+struct RecordScale {
+  std::vector<double> time;
+  double rounding;
+};
+RecordScale scale_of(const TimeResponseData& data) {
+  RecordScale scale{{}, 0};
   for (const std::size_t i : data.observed()) {
-    times.push_back(data.time()[i]);
-    size = std::max(size, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
+    scale.time.push_back(data.time()[i]);
+    const double size = std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]);
+    scale.rounding = std::max(scale.rounding, 1e-12 * size);
   }
-  return detail::first_order_tests(detail::weighted_residuals(data, options, result), times, result.free_parameters,
-                                   !data.sigma().empty(), 1e-12 * size);
+  return scale;
+}
+
+}  // namespace
+
+LackOfFit detail::tests_in_told_noise(const TimeResponseData& data, const TimeFitOptions& options,
+                                      std::span<const double> residual, std::size_t parameters) {
+  const RecordScale scale = scale_of(data);
+  return residual_tests(residual, 1, scale.time, parameters, !data.sigma().empty(), scale.rounding,
+                        options.noise_correlation > 0);
+}
+
+LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
+  const std::vector<double> residual = detail::weighted_residuals(data, options, result);
+  if (options.noise_correlation > 0) {
+    return detail::tests_in_told_noise(data, options, residual, result.free_parameters);
+  }
+  const RecordScale scale = scale_of(data);
+  return detail::first_order_tests(residual, scale.time, result.free_parameters, !data.sigma().empty(), scale.rounding);
 }
 
 }  // namespace frac

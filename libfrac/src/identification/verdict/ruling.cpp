@@ -6,20 +6,14 @@
 
 #include "base/short_text.hpp"
 #include "identification/rational/family_members.hpp"
-#include "identification/statistics/autocorrelation.hpp"
-#include "identification/statistics/residual_tests.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/verdict_sentence.hpp"
-#include "special/distributions.hpp"
 
 namespace frac::detail {
 namespace {
 
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-// Over time a ratio with one pole more, whose price (2 ln n and that of its place) hid it, would take up to that from
-// the evidence, and a record spans too few decades of time to outweigh it.
-constexpr double supported_over_time = 20;
-constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
+constexpr double refuted_evidence = -8;    // posterior odds of 1 to 55
 // For each real pole and dead time of a ratio beyond few_relaxations more evidence is asked: odds of 3000 to 1.
 constexpr double price_of_relaxation = 16;
 // Probability that neither finalist is near what made the data, so that evidence for one of them says nothing of its
@@ -38,19 +32,6 @@ bool not_above(double value, double times, double other) {
   return !(value > times * other);
 }
 
-/// Whether residuals over time follow the data as noise of first order does and white noise does not, by the test of
-/// both of lack_of_fit().  A model that misses a smooth shape among white noise leaves such residuals too: it is not
-/// refuted, and decides nothing.
-bool may_miss_a_shape(const Comparison& pair, const Competitor& competitor) {
-  if (!pair.over_time || !competitor.ranked.lack_of_fit.adequate || meets_exactly(competitor)) return false;
-  const ResidualWhiteness found = whiteness(competitor.residual, 1);
-  const auto count = static_cast<double>(competitor.residual.size());
-  const double of_neighbours =
-      normal_above(found.lag_one_correlation * std::sqrt(count) + competitor.parameters() / std::sqrt(count));
-  return 2 * std::min(of_neighbours, found.p_value) < least_chance;
-}
-const std::string correlated = " one leaves correlated residuals, by the noise or by a shape that it misses";
-
 /// The evidence an integer-order finalist has to have against orders that depart.
 double evidence_to_refute(const Comparison& pair) {
   const std::size_t beyond_few = std::max(pair.integer.relaxations, few_relaxations) - few_relaxations;
@@ -59,8 +40,8 @@ double evidence_to_refute(const Comparison& pair) {
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
   if (result.evidence > supported_evidence) {
-    return ", which over time has to be above " + four_digits(supported_over_time) +
-           ", since the price of one pole more may hide it";
+    return ", of which ratios with more poles, whose price hides them, may take " + four_digits(pair.hidden) +
+           ", and more than " + four_digits(supported_evidence) + " has to be left";
   }
   const std::string departing = ", and evidence against orders that depart from whole numbers by " +
                                 four_digits(least_departure) + " is " + four_digits(-result.departure_evidence);
@@ -77,7 +58,7 @@ std::string too_little_evidence(const IdentificationResult& result, const Compar
 std::string against_fractional(const IdentificationResult& result, const Comparison& pair,
                                const std::vector<std::string>& skipped_rivals) {
   const Finalist &f = *result.fractional, &i = *result.integer;
-  if (!(result.evidence > (pair.over_time ? supported_over_time : supported_evidence))) {
+  if (!(result.evidence - pair.hidden > supported_evidence)) {
     return too_little_evidence(result, pair);
   }
   const bool decided = (pair.orders.decided && !pair.orders.all_nearly_whole) || !pair.orders.any_free;
@@ -90,14 +71,12 @@ std::string against_fractional(const IdentificationResult& result, const Compari
                         not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms);
   if (!predicts) return ", but the fractional one predicts left-out points worse";
   if (!skipped_rivals.empty()) return ", but " + unfitted(skipped_rivals);
-  if (!pair.fractional_follows) return ", but only the other one follows the data";
-  return may_miss_a_shape(pair, pair.fractional) ? ", but the fractional" + correlated : "";
+  return pair.fractional_follows ? "" : ", but only the other one follows the data";
 }
 
 /// Why the integer-order finalist may not refute, whatever the evidence; empty where it may.
 std::string against_integer_model(const IdentificationResult& result, const Comparison& pair) {
   if (!pair.integer_follows) return ", but the integer-order one does not follow the data";
-  if (may_miss_a_shape(pair, pair.integer)) return ", but the integer-order" + correlated;
   if (pair.rounded && result.integer->parameters > pair.departure.parameters) {
     return ", but the values are rounded so coarsely that the integer-order one, with more parameters, may follow the "
            "steps";

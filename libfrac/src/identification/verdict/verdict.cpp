@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "frac/identification/validate.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/statistics/autocorrelation.hpp"
@@ -102,6 +103,14 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   if (result.next) result.notes.push_back(advice(*result.next, noise, axis_unit(data)));
 }
 
+/// Whether no linear, causal and stable system gives such data: what they depart by is no evidence of a class, and a
+/// power in the place of a resonance follows a part of it.  A system that is known to be unstable is not tested.
+bool is_invalid(const FrequencyResponseData& data, const FitOptions& options) {
+  const bool tested =
+      options.component == Component::both && options.weight != Weight::repeats && options.assumptions.stable != false;
+  return tested && validate(data, {.most_points = points_in_passing}).validity == Validity::invalid;
+}
+
 void call_inadequate(IdentificationResult& result, const AxisUnit& unit) {
   result.verdict = Verdict::no_adequate_model;
   result.verdict_sentence = sentence_without_model(result.ranking.at(result.chosen));
@@ -137,7 +146,7 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
           .rounded = rounded,
-          .over_time = !is_response<Data>};
+          .hidden = hidden_by_price(competitors, f, i, share)};
 }
 
 template <class Data>
@@ -158,7 +167,12 @@ void compare(IdentificationResult& result, const Data& data, const OptionsOf<Dat
   predict(data, options, pair.integer, *result.integer);
 
   Ruling decided = ruling(result, pair, skipped_rivals);
+  bool invalid = false;
   if constexpr (is_response<Data>) {
+    invalid = decided.verdict == Verdict::fractional_supported && is_invalid(data, options);
+    if (invalid)
+      decided = {Verdict::undecided,
+                 ", but the data are invalid as the response of a linear, causal and stable system (see validate)"};
     if (decided.verdict == Verdict::fractional_supported)
       result.distribution = distribution_rival(data, options, pair.fractional, pair.share);
     if (result.distribution && !decides(result.distribution->evidence))
@@ -175,7 +189,7 @@ void compare(IdentificationResult& result, const Data& data, const OptionsOf<Dat
   result.verdict_sentence = verdict_sentence(result, pair, decided);
   result.notes = verdict_notes(result, pair, decided, axis_unit(data));
   if constexpr (is_response<Data>) {
-    if (undecided) suggest_next(result, data, options, pair);
+    if (undecided && !invalid) suggest_next(result, data, options, pair);
   }
 }
 
