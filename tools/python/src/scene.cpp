@@ -21,6 +21,7 @@ py::dict identified(const py::list& curves, const std::vector<double>& forces, c
   options.component = frac::component_from_string(given["component"].cast<std::string>());
   options.weight = frac::weight_from_string(given["weight"].cast<std::string>());
   options.contact = backlash::contact_model_from_string(given["contact"].cast<std::string>());
+  options.friction = backlash::friction_model_from_string(given["friction"].cast<std::string>());
   options.constraints = constraints_of({}, given);
   options.threads = given["threads"].cast<int>();
   const auto found = result_of([&](frac::Progress&) { return backlash::identify_scene(measured, options); });
