@@ -141,6 +141,59 @@ TEST_F(IdentifyScene, SaysThatValuesWithoutAUnitAreTakenAsMetresPerNewton) {
   EXPECT_EQ(told.error.find("taken as"), std::string::npos) << told.error;
 }
 
+// Dry friction of 5 % and 2 % of the lower force, exact data; the library's test tells what is left of the values.
+TEST_F(IdentifyScene, FindsDryFriction) {
+  std::vector<std::string> files;
+  for (const std::string force : {"10", "40"}) {
+    files.push_back(folder.path("rubbing" + force + ".csv"));
+    const auto result = run_fracfit({"simulate",
+                                     "--force",
+                                     force,
+                                     "--clearance",
+                                     "0.3",
+                                     "--contact-frequency",
+                                     "600",
+                                     "--contact-restitution",
+                                     "0.6",
+                                     "--friction1",
+                                     "0.5",
+                                     "--friction2",
+                                     "0.2",
+                                     "--mass1",
+                                     "1.5",
+                                     "--mass2",
+                                     "0.8",
+                                     "--omega",
+                                     force == "10" ? "11:16:7" : "22:32:7",
+                                     "--out",
+                                     files.back()});
+    ASSERT_EQ(result.code, 0) << result.error;
+  }
+  const std::vector<std::string> command{"identify-scene", files[0], files[1], "--fix", "mass1=1.5"};
+  const auto with = [&](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_fracfit(arguments);
+  };
+  const auto json = Json::parse(with(command, {"--friction", "auto", "--format", "json"}).output);
+  EXPECT_EQ(json["options"]["friction"], "auto");
+  EXPECT_EQ(json["friction_verdict"], "present");
+  ASSERT_EQ(json["friction"].size(), 2u);
+  EXPECT_EQ(json["friction"][0]["name"], "friction1");
+  EXPECT_EQ(json["friction"][1]["unit"], "N");
+  EXPECT_NEAR(json["friction"][0]["value"], 0.5, 1e-4);
+  EXPECT_NEAR(json["friction"][1]["value"], 0.2, 1e-4);
+  EXPECT_NEAR(json["parameters"][3]["value"], 0.6, 1e-4);
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& what) {
+    const auto result = with(command, more);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find(what), std::string::npos) << result.error;
+  };
+  refused({"--friction", "dry"}, "estimate");
+  refused({"--fix", "friction1=0.5"}, "friction1");
+  refused({"--friction", "auto", "--fix", "friction1=-1"}, "friction1");
+  refused({"--friction", "auto", "--load-receptance", "1/(m1 s^2)"}, "--friction");
+}
+
 // Contacts of restitution 0.5 that ring at 12 and 5 times the frequency of the forces.
 TEST_F(IdentifyScene, FindsTheTimeOfContacts) {
   std::vector<std::string> files;

@@ -44,7 +44,7 @@ void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const S
 }
 
 SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
-  SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0, 0};
+  SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0, 0, 0};
   std::vector<double> sizes;
   for (std::size_t curve = 0; curve < curves.size(); ++curve) {
     data.curve_begin.push_back(data.points.size());
@@ -67,6 +67,8 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   }
   data.typical_misfit = frac::detail::median(misfits);
   data.time_unit = 1 / frac::detail::median(omegas);
+  data.force_unit = std::numeric_limits<double>::infinity();
+  for (const MeasuredPoint& point : data.points) data.force_unit = std::min(data.force_unit, point.force);
   return data;
 }
 

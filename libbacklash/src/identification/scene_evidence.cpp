@@ -131,7 +131,10 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
     if (choice.used) continue;
     const MeasuredPoint& point = data.points[i];
     // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their angle.
-    const double angle = contact_angle(local.theta, data, point);
+    // So does that of masses with friction, by about its share of the force.
+    const double angle =
+        contact_angle(local.theta, data, point) +
+        (local.theta[first_friction] + local.theta[first_friction + 1]) * data.force_unit / point.force;
     if (angle > other_motion) continue;
     const auto motions = motions_of_starts(gamma_at(local.theta, point), local.theta[3]);
     const PointChoice compared = choice;

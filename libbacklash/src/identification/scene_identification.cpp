@@ -28,34 +28,39 @@ using detail::SceneVector;
 using Complex = std::complex<double>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<std::string_view, detail::scene_size> parameter_names = {"mass1", "mass2", "clearance",
-                                                                              "restitution", "contact_time"};
+constexpr std::array<std::string_view, detail::scene_size> parameter_names = {
+    "mass1", "mass2", "clearance", "restitution", "contact_time", "friction1", "friction2"};
 constexpr frac::detail::Spellings<ContactModel, 3> contact_spellings = {
     {{ContactModel::hard, "hard"}, {ContactModel::compliant, "compliant"}, {ContactModel::automatic, "auto"}}};
+constexpr frac::detail::Spellings<FrictionModel, 3> friction_spellings = {
+    {{FrictionModel::none, "none"}, {FrictionModel::automatic, "auto"}, {FrictionModel::estimate, "estimate"}}};
 // Standard deviations that chance exceeds on one side once in a thousand.
 constexpr double significant_contact = 3.09;
+// Twice the logarithm of a likelihood ratio that chance exceeds once in a thousand where two parameters may rise from
+// 0: it is 0 with probability 1/4, chi squared of one degree with 1/2 and of two with 1/4.
+constexpr double significant_friction = 11.8;
 
 // Factor by which masses and clearance may differ from what the data suggest.
 const double default_range = std::log(1e6);
 std::string allowed_range(std::size_t k) {
-  return k == 4 ? "0 or greater and finite" : k == 3 ? "in [0, 1]" : "positive and finite";
+  return k >= 4 ? "0 or greater and finite" : k == 3 ? "in [0, 1]" : "positive and finite";
 }
 
 // A value the user gives for a parameter, as a coordinate of the search.
-double coordinate(std::size_t k, const char* what, double value, double time_unit) {
-  const bool allowed = k == 4   ? value >= 0 && std::isfinite(value)
+double coordinate(std::size_t k, const char* what, double value, const detail::SceneData& data) {
+  const bool allowed = k >= 4   ? value >= 0 && std::isfinite(value)
                        : k == 3 ? value >= 0 && value <= 1
                                 : value > 0 && std::isfinite(value);
   if (!allowed) {
     throw std::invalid_argument(std::string(parameter_names[k]) + ": " + what + " is " + detail::text(value) +
                                 "; it must be " + allowed_range(k));
   }
-  return k == 4 ? value / time_unit : k == 3 ? value : std::log(value);
+  if (k >= detail::first_friction) return value / data.force_unit;
+  return k == 4 ? value / data.time_unit : k == 3 ? value : std::log(value);
 }
 
 detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::ParameterConstraint>& constraints,
-                               ContactModel contact) {
-  const double unit = data.time_unit;
+                               ContactModel contact, FrictionModel friction) {
   std::vector<double> masses, amplitudes;
   for (const detail::MeasuredPoint& point : data.points) {
     const double size = std::abs(point.value);
@@ -66,19 +71,27 @@ detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<
   const double mass = frac::detail::median(masses);
   const double amplitude = frac::detail::median(amplitudes);
   detail::KnownScene known{};
-  known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0, 0};
-  known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1,
-                        contact == ContactModel::hard ? 0 : std::numbers::pi};
+  known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0, 0, 0, 0};
+  known.bounds.upper = {mass + default_range,
+                        mass + default_range,
+                        amplitude + default_range,
+                        1,
+                        contact == ContactModel::hard ? 0 : std::numbers::pi,
+                        friction == FrictionModel::none ? 0.0 : 1.0,
+                        friction == FrictionModel::none ? 0.0 : 1.0};
   std::array<bool, detail::scene_size> seen{};
   for (const frac::ParameterConstraint& constraint : constraints) {
     const auto name = std::find(parameter_names.begin(), parameter_names.end(), constraint.name);
     if (name == parameter_names.end()) {
-      throw std::invalid_argument("constraint of '" + constraint.name +
-                                  "': the scene has mass1, mass2, clearance, restitution and contact_time only");
+      throw std::invalid_argument(
+          "constraint of '" + constraint.name +
+          "': the scene has mass1, mass2, clearance, restitution, contact_time, friction1 and friction2 only");
     }
     const auto k = static_cast<std::size_t>(name - parameter_names.begin());
     if (k == 4 && contact == ContactModel::hard)
       throw std::invalid_argument("contact_time is constrained, but the contact is hard, which is contact time 0");
+    if (k >= detail::first_friction && friction == FrictionModel::none)
+      throw std::invalid_argument(constraint.name + " is constrained, but there is to be no friction");
     if (seen[k]) throw std::invalid_argument(constraint.name + " is constrained twice");
     seen[k] = true;
     if (constraint.fixed) {
@@ -86,15 +99,15 @@ detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<
         throw std::invalid_argument(constraint.name + " is fixed; limits or a start beside that have no meaning");
       }
       if (k < known.fixed.size()) known.fixed[k] = *constraint.fixed;
-      known.bounds.lower[k] = known.bounds.upper[k] = coordinate(k, "the fixed value", *constraint.fixed, unit);
+      known.bounds.lower[k] = known.bounds.upper[k] = coordinate(k, "the fixed value", *constraint.fixed, data);
       continue;
     }
     if (constraint.lower) {
-      known.bounds.lower[k] = coordinate(k, "the lower limit", *constraint.lower, unit);
+      known.bounds.lower[k] = coordinate(k, "the lower limit", *constraint.lower, data);
       if (!constraint.upper) known.bounds.upper[k] = std::max(known.bounds.upper[k], known.bounds.lower[k] + 1);
     }
     if (constraint.upper) {
-      known.bounds.upper[k] = coordinate(k, "the upper limit", *constraint.upper, unit);
+      known.bounds.upper[k] = coordinate(k, "the upper limit", *constraint.upper, data);
       if (!constraint.lower) known.bounds.lower[k] = std::min(known.bounds.lower[k], known.bounds.upper[k] - 1);
     }
     if (k >= 3) known.bounds.lower[k] = std::max(known.bounds.lower[k], 0.0);
@@ -108,7 +121,7 @@ detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<
                                   (constraint.upper ? detail::text(*constraint.upper) : std::string("by default")));
     }
     if (constraint.start) {
-      const double start = coordinate(k, "the start", *constraint.start, unit);
+      const double start = coordinate(k, "the start", *constraint.start, data);
       if (start < known.bounds.lower[k] || start > known.bounds.upper[k]) {
         throw std::invalid_argument(constraint.name + ": the start " + detail::text(*constraint.start) +
                                     " lies outside the limits");
@@ -144,19 +157,25 @@ Regime regime_of(const detail::PointChoice& choice, double gamma, double restitu
   return Regime::averaged;
 }
 
+// Whose halves need not mirror each other.
+Regime regime_of_friction(const detail::PointChoice& choice) {
+  return choice.kind == detail::PointChoice::Kind::none ? Regime::averaged : Regime::periodic;
+}
+
 void report_points(const detail::SceneData& data, const detail::LocalScene& local, SceneIdentification& result) {
   for (std::size_t i = 0; i < data.points.size(); ++i) {
     const detail::MeasuredPoint& point = data.points[i];
     const detail::PointChoice& choice = local.choices[i];
     const double gamma = detail::gamma_at(local.theta, point);
-    ScenePoint reported{
-        point.curve,
-        point.index,
-        point.omega,
-        detail::status_of(choice),
-        local.found.empty() ? regime_of(choice, gamma, local.theta[3]) : regime_of_contact(choice, gamma, local.theta),
-        Complex(nan, nan),
-        Complex(nan, nan)};
+    ScenePoint reported{point.curve,
+                        point.index,
+                        point.omega,
+                        detail::status_of(choice),
+                        !local.orbits.empty() ? regime_of_friction(choice)
+                        : local.found.empty() ? regime_of(choice, gamma, local.theta[3])
+                                              : regime_of_contact(choice, gamma, local.theta),
+                        Complex(nan, nan),
+                        Complex(nan, nan)};
     if (reported.status != PointStatus::irregular) {
       reported.model = choice.model;
       reported.residual = (choice.model - point.value) / data.deviation(point, choice.model);
@@ -181,6 +200,9 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
   for (std::size_t c = 0; c < std::min(rival.contact.size(), estimate.contact.size()); ++c) {
     detail::stretch_over(rival.contact[c], estimate.contact[c]);
+  }
+  for (std::size_t c = 0; c < std::min(rival.friction.size(), estimate.friction.size()); ++c) {
+    detail::stretch_over(rival.friction[c], estimate.friction[c]);
   }
 }
 
@@ -221,6 +243,24 @@ std::string contact_text(const SceneIdentification& result, double longest) {
   return text + ".";
 }
 
+std::string friction_text(const SceneIdentification& result) {
+  using frac::detail::short_text;
+  if (result.friction.empty()) return "";
+  const auto& [load, drive] = std::array{result.friction[0], result.friction[1]};
+  if (load.fixed && drive.fixed) return "";
+  if (result.friction_verdict == FrictionVerdict::present) {
+    return " The data tell friction from none: " + short_text(load.value) + " N on mass 1 and " +
+           short_text(drive.value) + " N on mass 2 (twice the log likelihood ratio " +
+           short_text(result.friction_evidence) + ").";
+  }
+  std::string text = " The data do not tell friction from none, and the intervals hold for both";
+  if (std::isfinite(load.ci95_upper) && std::isfinite(drive.ci95_upper)) {
+    text += ": at most " + short_text(load.ci95_upper) + " N on mass 1 and " + short_text(drive.ci95_upper) +
+            " N on mass 2";
+  }
+  return text + ".";
+}
+
 std::string message_of(const SceneIdentification& result, double longest) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
@@ -240,12 +280,14 @@ std::string message_of(const SceneIdentification& result, double longest) {
             frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
-  text += contact_text(result, longest);
+  text += contact_text(result, longest) + friction_text(result);
   if (!result.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
   }
   for (const std::string& misfit : result.misfits) text += " " + misfit;
-  if (!result.misfits.empty()) text += " The scene does not describe the data, so that nothing counts as identified.";
+  if (result.misfits.empty()) return text;
+  text += " The scene does not describe the data, so that nothing counts as identified.";
+  if (result.friction_verdict == FrictionVerdict::none) text += " Dry friction, which was left out, may be why.";
   return text;
 }
 
@@ -288,6 +330,31 @@ std::string_view to_string(ContactVerdict verdict) {
   return "undecided";
 }
 
+std::string_view to_string(FrictionVerdict verdict) {
+  switch (verdict) {
+    case FrictionVerdict::none:
+      return "none";
+    case FrictionVerdict::present:
+      return "present";
+    case FrictionVerdict::undecided:
+      break;
+  }
+  return "undecided";
+}
+
+std::string_view to_string(FrictionModel model) {
+  return frac::detail::spelling(friction_spellings, model);
+}
+
+std::span<const FrictionModel> friction_models() {
+  static constexpr auto all = frac::detail::enumerators(friction_spellings);
+  return all;
+}
+
+FrictionModel friction_model_from_string(std::string_view text) {
+  return frac::detail::from_spelling(friction_spellings, "friction", text);
+}
+
 std::string_view to_string(ContactModel model) {
   return frac::detail::spelling(contact_spellings, model);
 }
@@ -306,7 +373,10 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   const auto begin = std::chrono::steady_clock::now();
   detail::check_curves(curves, options);
   const detail::SceneData data = detail::scene_data(curves, options);
-  detail::KnownScene known = known_scene(data, options.constraints, options.contact);
+  const detail::KnownScene rubbing = known_scene(data, options.constraints, options.contact, options.friction);
+  detail::KnownScene known = rubbing;
+  for (std::size_t k = detail::first_friction; k < detail::scene_size; ++k)
+    known.bounds.lower[k] = known.bounds.upper[k] = 0;
   detail::KnownScene hard = known;
   hard.bounds.lower[4] = hard.bounds.upper[4] = 0;
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
@@ -330,6 +400,23 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     } else {
       // Hard contacts then, of which nothing is stated.
       known = hard;
+    }
+  }
+  result.friction_verdict = rubbing.bounds.has_friction() ? FrictionVerdict::undecided : FrictionVerdict::none;
+  result.friction_evidence = nan;
+  if (rubbing.bounds.has_friction() && residuals >= rubbing.bounds.free_count()) {
+    detail::FrictionSearch rubbed = detail::search_friction(data, rubbing, found, options.threads);
+    if (rubbed.scenes.best.usable) {
+      result.friction_evidence = rubbed.evidence;
+      const bool is_told = rubbed.evidence > significant_friction;
+      if (is_told) result.friction_verdict = FrictionVerdict::present;
+      // A limit of friction that is given is one of the scene.
+      const bool is_given = std::any_of(options.constraints.begin(), options.constraints.end(),
+                                        [](const auto& each) { return each.name.starts_with("friction"); });
+      if (is_told || is_given || options.friction == FrictionModel::estimate) {
+        found = std::move(rubbed.scenes);
+        known = rubbing;
+      }
     }
   }
   result.starts = found.starts;
@@ -364,12 +451,14 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
            rival.theta[4] * data.time_unit,
+           {rival.theta[5] * data.force_unit, rival.theta[6] * data.force_unit},
            std::exp(0.5 * (rival.deviance - found.best.deviance))});
     }
     result.misfits.insert(result.misfits.end(), uncertainty.strained.begin(), uncertainty.strained.end());
     result.parameters = uncertainty.parameters;
     result.combinations = uncertainty.combinations;
     result.contact = uncertainty.contact;
+    result.friction = uncertainty.friction;
     if (!result.contact.empty()) {
       // A likelihood ratio alone may come from points that one of the two leaves out.
       const bool is_told = result.contact_evidence > significant_contact * significant_contact &&
@@ -381,13 +470,16 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
         result.contact.empty() ? takes_time
                                : result.contact.front().at_bound || (options.contact == ContactModel::compliant &&
                                                                      !(result.contact.front().value > 0));
-    const bool at_limit =
-        is_contact_at_limit || std::any_of(result.parameters.begin(), result.parameters.end(),
-                                           [](const SceneEstimate& estimate) { return estimate.at_bound; });
+    const bool at_limit = is_contact_at_limit ||
+                          std::any_of(result.friction.begin(), result.friction.end(),
+                                      [](const SceneEstimate& estimate) { return estimate.at_bound; }) ||
+                          std::any_of(result.parameters.begin(), result.parameters.end(),
+                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
     if (!result.misfits.empty() || !found.best.converged || at_limit) {
       for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.contact) estimate.identified = estimate.fixed;
+      for (SceneEstimate& estimate : result.friction) estimate.identified = estimate.fixed;
     }
     result.free_directions = uncertainty.free_directions;
     result.covariance = uncertainty.covariance;

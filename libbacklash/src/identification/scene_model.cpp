@@ -97,4 +97,31 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
            scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
 }
 
+FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+  const double scale = data.force_unit / point.force;
+  return {gamma_at(theta, point),
+          contact_angle(theta, data, point),
+          theta[3],
+          std::exp(theta[0] - theta[1]),
+          {theta[first_friction] * scale, theta[first_friction + 1] * scale}};
+}
+
+Complex friction_value(const SceneVector& theta, const MeasuredPoint& point, Complex n) {
+  const double inverse_mass = std::exp(-theta[0]) + std::exp(-theta[1]);
+  return n * inverse_mass / (point.omega * point.omega);
+}
+
+PointGradient friction_gradient(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point,
+                                const FrictionResponse& response) {
+  const double scale = data.force_unit / point.force, share = 1 / (1 + std::exp(theta[0] - theta[1]));
+  const auto value = [&](Complex n) { return friction_value(theta, point, n); };
+  // 1/m = 1/mass1 + 1/mass2, of which the first is mass2/(mass1 + mass2).
+  return {value(response.n),
+          {value(response.by_log_mass_ratio - share * response.n),
+           value(-response.by_log_gamma - response.by_log_mass_ratio - (1 - share) * response.n),
+           value(-response.by_log_gamma), value(response.by_restitution),
+           value(data.time_unit * point.omega * response.by_tau), value(scale * response.by_friction[0]),
+           value(scale * response.by_friction[1])}};
+}
+
 }  // namespace backlash::detail

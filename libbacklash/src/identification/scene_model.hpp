@@ -8,13 +8,15 @@
 #include <vector>
 
 #include "backlash/identification/scene_identification.hpp"
+#include "friction_response.hpp"
 #include "scene_response.hpp"
 
 namespace backlash::detail {
 
-/// ln mass1, ln mass2, ln clearance, restitution, and the time of a free contact in units of SceneData::time_unit, 0 of
-/// hard ones.
-constexpr std::size_t scene_size = 5;
+/// ln mass1, ln mass2, ln clearance, restitution, the time of a free contact in units of SceneData::time_unit, 0 of
+/// hard ones, and the dry friction of both masses in units of SceneData::force_unit.
+constexpr std::size_t scene_size = 7;
+constexpr std::size_t first_friction = 5;
 using SceneVector = std::array<double, scene_size>;
 
 struct MeasuredPoint {
@@ -34,6 +36,7 @@ struct SceneData {
   double typical;         // median |value|
   double typical_misfit;  // median of |value| over its deviation
   double time_unit;       // s, 1 over the median omega
+  double force_unit;      // N, the least force amplitude
 
   [[nodiscard]] std::size_t residuals_per_point() const { return component == frac::Component::both ? 2 : 1; }
   /// The parts of a complex number that form residuals; the second one is 0 when there is only one.
@@ -67,5 +70,13 @@ struct PointGradient {
                                            const MeasuredPoint& point, const GapResponse& response);
 [[nodiscard]] std::complex<double> point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point,
                                                std::complex<double> h);
+
+[[nodiscard]] FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data,
+                                             const MeasuredPoint& point);
+/// N of n = m omega^2 N, m the reduced mass.
+[[nodiscard]] std::complex<double> friction_value(const SceneVector& theta, const MeasuredPoint& point,
+                                                  std::complex<double> n);
+[[nodiscard]] PointGradient friction_gradient(const SceneVector& theta, const SceneData& data,
+                                              const MeasuredPoint& point, const FrictionResponse& response);
 
 }  // namespace backlash::detail

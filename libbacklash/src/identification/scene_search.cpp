@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "base/impact_law.hpp"
 #include "frac/parallel_for.hpp"
 #include "scene_adequacy.hpp"
 #include "scene_evidence.hpp"
@@ -45,7 +47,8 @@ constexpr double same_place = 0.01;
 
 bool agree(const LocalScene& one, const LocalScene& other, double within) {
   return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < within &&
-         std::abs(one.theta[3] - other.theta[3]) < within && std::abs(one.theta[4] - other.theta[4]) < within;
+         std::abs(one.theta[3] - other.theta[3]) < within && std::abs(one.theta[4] - other.theta[4]) < within &&
+         std::abs(one.theta[5] - other.theta[5]) < within && std::abs(one.theta[6] - other.theta[6]) < within;
 }
 
 bool better(const LocalScene& one, const LocalScene& other) {
@@ -58,6 +61,19 @@ bool complete(const SceneData& data, const SceneBounds& bounds, const LocalScene
          std::all_of(local.choices.begin(), local.choices.end(),
                      [](const PointChoice& choice) { return choice.used; }) &&
          scene_adequacy(data, local.choices, bounds.free_count()).misfits.empty();
+}
+
+// Of estimates, best first, those that are not much worse than the best one, which the search has.
+void take_rivals(const std::vector<LocalScene>& settled, double allowed, SceneSearch& search) {
+  for (const LocalScene& local : settled) {
+    if (agree(local, search.best, same_estimate)) {
+      ++search.starts_at_best;
+    } else if (local.deviance < search.best.deviance + allowed &&
+               std::none_of(search.rivals.begin(), search.rivals.end(),
+                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
+      search.rivals.push_back(local);
+    }
+  }
 }
 
 class SceneSearcher {
@@ -196,17 +212,8 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
   if (settled.empty()) return result;
   searcher.explain(settled);
   result.best = settled.front();
-  const double allowed =
-      result.best.theta[3] < small_restitution ? rival_deviance_at_small_restitution : rival_deviance;
-  for (const LocalScene& local : settled) {
-    if (agree(local, result.best, same_estimate)) {
-      ++result.starts_at_best;
-    } else if (local.deviance < result.best.deviance + allowed &&
-               std::none_of(result.rivals.begin(), result.rivals.end(),
-                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
-      result.rivals.push_back(local);
-    }
-  }
+  take_rivals(settled, result.best.theta[3] < small_restitution ? rival_deviance_at_small_restitution : rival_deviance,
+              result);
   return result;
 }
 
@@ -282,15 +289,43 @@ ContactSearch search_contact(const SceneData& data, const KnownScene& known, con
     const LocalScene best = solve_scene(data, hard_scene.bounds, hard.best.theta, Effort::settle, Motions::all);
     result.evidence = evidence_over(data, best, result.scenes.best, known.bounds.free_count());
   }
-  for (const LocalScene& local : settled) {
-    if (agree(local, result.scenes.best, same_estimate)) {
-      ++result.scenes.starts_at_best;
-    } else if (local.deviance < result.scenes.best.deviance + rival_deviance &&
-               std::none_of(result.scenes.rivals.begin(), result.scenes.rivals.end(),
-                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
-      result.scenes.rivals.push_back(local);
-    }
+  take_rivals(settled, rival_deviance, result.scenes);
+  return result;
+}
+
+FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
+                               int threads) {
+  // Friction over the least force to begin with, and what it adds to the loss factor, which the restitution of a scene
+  // without it holds: about .2 of it (tools/docs/methods/compliant-contact.md).
+  constexpr std::array<double, 2> shares = {0.05, 0.2};
+  constexpr double loss_by_friction = 0.2;
+  FrictionSearch result{{}, std::numeric_limits<double>::infinity()};
+  if (!without.best.usable) return result;
+  SceneSearcher searcher(data, known, threads);
+  const auto start_with = [&](double friction1, double friction2) {
+    SceneVector start = without.best.theta;
+    start[first_friction] = friction1;
+    start[first_friction + 1] = friction2;
+    const double loss = std::numbers::pi / 4 * loss_ratio(start[3]) - loss_by_friction * (friction1 + friction2);
+    // Its own inverse.
+    start[3] = loss_ratio(std::max(loss, 0.0) * 4 / std::numbers::pi);
+    for (std::size_t k = 3; k < scene_size; ++k)
+      start[k] = std::clamp(start[k], known.bounds.lower[k], known.bounds.upper[k]);
+    return start;
+  };
+  std::vector<LocalScene> settled = searcher.solve({start_with(0, 0)}, Effort::settle, Motions::all);
+  result.scenes.starts = without.starts + 1;
+  if (settled.empty() || !scene_adequacy(data, settled.front().choices, known.bounds.free_count()).misfits.empty()) {
+    std::vector<SceneVector> starts;
+    for (const double share : shares)
+      for (const bool is_load : {true, false}) starts.push_back(start_with(is_load ? share : 0, is_load ? 0 : share));
+    searcher.settle_too(starts, settled);
   }
+  result.scenes.starts += searcher.starts();
+  if (settled.empty()) return result;
+  result.scenes.best = settled.front();
+  result.evidence = evidence_over(data, without.best, result.scenes.best, known.bounds.free_count());
+  take_rivals(settled, rival_deviance, result.scenes);
   return result;
 }
 

@@ -47,4 +47,16 @@ struct ContactSearch {
 [[nodiscard]] ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard,
                                            int threads);
 
+struct FrictionSearch {
+  SceneSearch scenes;
+  /// Twice the logarithm of the likelihood of the best scene over that of the best one without friction, as above.
+  double evidence;
+};
+
+/// Frees dry friction: from scenes without and, where these do not describe the data, from some on either mass.
+/// @param known  with limits of friction
+/// @param without  what the searches above found
+[[nodiscard]] FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
+                                             int threads);
+
 }  // namespace backlash::detail

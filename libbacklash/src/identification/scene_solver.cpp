@@ -27,6 +27,8 @@ constexpr int most_iterations = 12;
 // With contacts that take time more steps are refused where one of many motions ends nearby, until the point is left
 // out, and a round costs more.
 constexpr int most_iterations_with_contacts = 25, most_rounds_with_contacts = 8;
+// With friction, where each step follows every orbit and its derivatives, some milliseconds a point.
+constexpr int most_iterations_with_friction = 12, most_rounds_with_friction = 8;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // A round that moves the estimate by less than this, in standard errors, is the last.
@@ -42,6 +44,8 @@ constexpr double about_the_orbit = 1.25;
 constexpr double multiplier_beyond_loss = 2;
 // A motion that led to no orbit of one period this often is left alone.
 constexpr int most_failures = 2;
+// With friction starts are followed this often.
+constexpr int most_attempts = 2;
 double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
@@ -65,16 +69,20 @@ class Solver {
         bounds_(bounds),
         motions_(motions),
         choices_(data.points.size()),
-        found_(bounds.upper[4] > 0 ? data.points.size() : 0) {}
+        found_(bounds.upper[4] > 0 && !bounds.has_friction() ? data.points.size() : 0),
+        orbits_(bounds.has_friction() ? data.points.size() : 0),
+        attempts_(orbits_.size()) {}
 
   LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
     theta_ = start;
     effort_ = effort;
     iterations_ = effort == Effort::glance ? iterations_of_a_glance
+                  : has_friction()         ? most_iterations_with_friction
                   : contacts_take_time()   ? most_iterations_with_contacts
                                            : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance
+                       : has_friction()         ? most_rounds_with_friction
                        : contacts_take_time()   ? most_rounds_with_contacts
                                                 : most_rounds;
     for (int round = 0; round < rounds; ++round) {
@@ -82,10 +90,9 @@ class Solver {
       choose(round);
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
-      if (round > rounds_that_differ() && settled(before) &&
-          moved_ < (contacts_take_time() ? near_step : settled_step)) {
-        // Where contacts take time a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
-        result.converged = least_squares_converged_ || contacts_take_time();
+      if (round > rounds_that_differ() && settled(before) && moved_ < (follows_orbits() ? near_step : settled_step)) {
+        // There a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
+        result.converged = least_squares_converged_ || follows_orbits();
         break;
       }
       least_squares();
@@ -96,6 +103,7 @@ class Solver {
     result.deviance = scene_evidence(data_, choices_, bounds_.free_count(), effort).deviance;
     result.choices = std::move(choices_);
     result.found = std::move(found_);
+    result.orbits = std::move(orbits_);
     return result;
   }
 
@@ -114,22 +122,29 @@ class Solver {
 
   // Takes the candidate when it lies nearer to the data than what is there.
   void offer(std::size_t i, const OutputCoefficients& coefficients, PointChoice::Kind kind, Complex h) {
+    offer(i, kind, point_value(coefficients, data_.points[i], h));
+  }
+  // @return whether it was taken
+  bool offer(std::size_t i, PointChoice::Kind kind, Complex model) {
     const MeasuredPoint& point = data_.points[i];
-    const Complex model = point_value(coefficients, point, h);
     const double deviation = data_.deviation(point, model);
-    if (!(deviation > 0)) return;
+    if (!(deviation > 0)) return false;
     const double misfit = data_.size(model - point.value) / deviation;
     PointChoice& choice = choices_[i];
-    if (choice.kind != PointChoice::Kind::none && choice.misfit <= misfit) return;
+    if (choice.kind != PointChoice::Kind::none && choice.misfit <= misfit) return false;
     choice.kind = kind;
     choice.model = model;
     choice.misfit = misfit;
+    return true;
   }
 
   [[nodiscard]] bool contacts_take_time() const { return !found_.empty(); }
+  [[nodiscard]] bool has_friction() const { return !orbits_.empty(); }
+  // By Newton's method, some or all of them.
+  [[nodiscard]] bool follows_orbits() const { return contacts_take_time() || has_friction(); }
   // The first rounds may count motions beyond their loss of stability.
   [[nodiscard]] int rounds_that_differ() const {
-    return contacts_take_time() && effort_ != Effort::glance ? 0 : rounds_beyond_loss;
+    return follows_orbits() && effort_ != Effort::glance ? 0 : rounds_beyond_loss;
   }
   [[nodiscard]] std::optional<ContactMotions> contact_motions(const SceneVector& theta) const {
     return contacts_take_time() ? std::optional<ContactMotions>(theta[3]) : std::nullopt;
@@ -165,14 +180,38 @@ class Solver {
     }
   }
 
+  // Of masses with friction: the orbit found last and, where that has ended or does not explain the point, those that
+  // the symmetric one without friction and contact at rest lead to.
+  void offer_friction_motions(std::size_t i, bool is_explained) {
+    const MeasuredPoint& point = data_.points[i];
+    const FrictionGroups groups = friction_groups(theta_, data_, point);
+    FoundOrbit nearest;
+    const auto offer_from = [&](FrictionStart start) {
+      FoundOrbit found = orbits_[i];
+      const auto n = friction_n(groups, data_.output, start, found);
+      if (n && offer(i, PointChoice::Kind::sticking, friction_value(theta_, point, *n))) nearest = std::move(found);
+      return n.has_value();
+    };
+    const bool is_there = offer_from(FrictionStart::found);
+    if (!(is_there && is_explained) && attempts_[i] < most_attempts) {
+      ++attempts_[i];
+      offer_from(FrictionStart::symmetric);
+      offer_from(FrictionStart::rest);
+    }
+    orbits_[i] = std::move(nearest);
+  }
+
   // limit: gamma up to which the orbit of two impacts, which is stable up to orbit_end, counts.
   void offer_motions(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions* contact, double limit,
                      double orbit_end, double onset) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point);
     const double restitution = theta_[3];
+    const bool is_explained = choices_[i].used;
     choices_[i] = {};
-    if (contact != nullptr) {
+    if (has_friction()) {
+      offer_friction_motions(i, is_explained);
+    } else if (contact != nullptr) {
       offer_contact_motions(i, coefficients, *contact, limit, onset, limit > orbit_end ? multiplier_beyond_loss : 1);
     } else {
       offer_hard_motions(i, coefficients, limit, onset);
@@ -233,6 +272,19 @@ class Solver {
     return result;
   }
 
+  [[nodiscard]] std::optional<Complex> value_at(std::size_t i, const SceneVector& theta,
+                                                const OutputCoefficients& coefficients,
+                                                const ContactMotions* contact) const {
+    const MeasuredPoint& point = data_.points[i];
+    if (has_friction()) {
+      FoundOrbit found = orbits_[i];
+      const auto n = friction_n(friction_groups(theta, data_, point), data_.output, FrictionStart::found, found);
+      return n ? std::optional<Complex>(friction_value(theta, point, *n)) : std::nullopt;
+    }
+    const auto h = h_at(i, theta, contact);
+    return h ? std::optional<Complex>(point_value(coefficients, point, *h)) : std::nullopt;
+  }
+
   [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta,
                                             const ContactMotions* contact) const {
     const double gamma = gamma_at(theta, data_.points[i]);
@@ -261,14 +313,14 @@ class Solver {
     const std::optional<ContactMotions> contact = contact_motions(theta);
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       if (!choices_[i].used) continue;
-      const auto h = h_at(i, theta, contact ? &*contact : nullptr);
-      if (!h) {
+      const auto value = value_at(i, theta, coefficients, contact ? &*contact : nullptr);
+      if (!value) {
         result.ended.push_back(i);
         if (!all) return result;
         continue;
       }
       const MeasuredPoint& point = data_.points[i];
-      const double misfit = data_.size(point_value(coefficients, point, *h) - point.value) / deviation[i];
+      const double misfit = data_.size(*value - point.value) / deviation[i];
       result.cost += misfit * misfit;
     }
     return result;
@@ -286,6 +338,8 @@ class Solver {
   Motions motions_;
   std::vector<PointChoice> choices_;
   std::vector<FoundMotions> found_;  // empty where contacts are hard
+  std::vector<FoundOrbit> orbits_;   // empty without friction
+  std::vector<int> attempts_;        // to find them from their start
   SceneVector theta_{};
   Effort effort_ = Effort::settle;
   int iterations_ = most_iterations;
@@ -309,26 +363,37 @@ std::optional<GapResponse> response_of(const SceneData& data, const SceneVector&
   return std::nullopt;
 }
 
-// found: empty where contacts are hard
+// found: empty where contacts are hard; orbits: without friction
 NormalEquations products(const SceneData& data, const SceneVector& theta, const std::vector<PointChoice>& choices,
-                         const std::vector<FoundMotions>& found, const std::vector<double>* deviation, Effort effort) {
+                         const std::vector<FoundMotions>& found, const std::vector<FoundOrbit>& orbits,
+                         const std::vector<double>* deviation, Effort effort) {
   NormalEquations result;
   const OutputCoefficients coefficients = output_coefficients(theta, data.output);
   const std::size_t per_point = data.residuals_per_point();
   const auto contact = found.empty() ? std::nullopt : std::optional<ContactResponses>(theta[3]);
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (!choices[i].used) continue;
+  const auto gradient_of = [&](std::size_t i) -> std::optional<PointGradient> {
+    const MeasuredPoint& point = data.points[i];
+    if (!orbits.empty()) {
+      const auto response = friction_response(friction_groups(theta, data, point), data.output, orbits[i]);
+      if (!response) return std::nullopt;
+      return friction_gradient(theta, data, point, *response);
+    }
     const auto response = contact && choices[i].kind != PointChoice::Kind::free
                               ? contact->at(gamma_at(theta, data.points[i]), contact_angle(theta, data, data.points[i]),
                                             choices[i].kind == PointChoice::Kind::sticking, found[i])
                               : response_of(data, theta, i, choices[i], effort);
-    if (!response) continue;
+    if (!response) return std::nullopt;
+    return point_gradient(coefficients, data, point, *response);
+  };
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (!choices[i].used) continue;
+    const auto model = gradient_of(i);
+    if (!model) continue;
     const MeasuredPoint& point = data.points[i];
-    const PointGradient model = point_gradient(coefficients, data, point, *response);
-    const double scale = 1 / (deviation != nullptr ? (*deviation)[i] : data.deviation(point, model.value));
-    const auto residual = data.parts((model.value - point.value) * scale);
+    const double scale = 1 / (deviation != nullptr ? (*deviation)[i] : data.deviation(point, model->value));
+    const auto residual = data.parts((model->value - point.value) * scale);
     std::array<std::array<double, 2>, scene_size> row{};
-    for (std::size_t k = 0; k < scene_size; ++k) row[k] = data.parts(model.gradient[k] * scale);
+    for (std::size_t k = 0; k < scene_size; ++k) row[k] = data.parts(model->gradient[k] * scale);
     result.points.push_back({residual, row});
     for (std::size_t part = 0; part < per_point; ++part) {
       result.cost += residual[part] * residual[part];
@@ -419,7 +484,8 @@ void Solver::least_squares() {
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     frac::throw_if_cancelled();
-    const BoxedEquations equations(products(data_, theta_, choices_, found_, &deviation, effort_), theta_, bounds_);
+    const BoxedEquations equations(products(data_, theta_, choices_, found_, orbits_, &deviation, effort_), theta_,
+                                   bounds_);
     if (equations.is_flat()) {
       least_squares_converged_ = true;
       break;
@@ -452,7 +518,7 @@ void Solver::least_squares() {
       }
     }
   }
-  moved_ = way_in_standard_errors(start, products(data_, theta_, choices_, found_, &deviation, effort_));
+  moved_ = way_in_standard_errors(start, products(data_, theta_, choices_, found_, orbits_, &deviation, effort_));
 }
 
 // Length of the way from the start in units of the standard errors, rounding aside.
@@ -470,7 +536,7 @@ double Solver::way_in_standard_errors(const SceneVector& start, const NormalEqua
 }  // namespace
 
 NormalEquations normal_equations(const SceneData& data, const LocalScene& local) {
-  return products(data, local.theta, local.choices, local.found, nullptr, Effort::settle);
+  return products(data, local.theta, local.choices, local.found, local.orbits, nullptr, Effort::settle);
 }
 
 LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,

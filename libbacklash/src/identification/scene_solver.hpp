@@ -13,6 +13,7 @@ namespace backlash::detail {
 struct SceneBounds {
   SceneVector lower, upper;  // equal where fixed
   [[nodiscard]] bool is_free(std::size_t k) const { return lower[k] < upper[k]; }
+  [[nodiscard]] bool has_friction() const { return upper[first_friction] > 0 || upper[first_friction + 1] > 0; }
   [[nodiscard]] std::size_t free_count() const {
     std::size_t count = 0;
     for (std::size_t k = 0; k < scene_size; ++k) count += is_free(k) ? 1 : 0;
@@ -23,7 +24,7 @@ struct SceneBounds {
 /// The steady motion a point is compared with.
 struct PointChoice {
   /// two_impact: also the symmetric orbit of contacts that take time; sticking: also any other orbit of one period of
-  /// these.
+  /// these, and any of masses with friction.
   enum class Kind { none, two_impact, sticking, free };
   Kind kind = Kind::none;
   bool used = false;           // forms residuals, see scene_evidence
@@ -55,7 +56,8 @@ struct LocalScene;
 struct LocalScene {
   SceneVector theta{};
   std::vector<PointChoice> choices;
-  std::vector<FoundMotions> found;  // per point where the contact time is not held at 0, else empty
+  std::vector<FoundMotions> found;  // per point where the contact time is not held at 0, else empty; so with friction
+  std::vector<FoundOrbit> orbits;   // per point where friction is not held at 0, else empty
   double deviance = 0;              // see scene_evidence
   bool converged = false;
   bool usable = false;  // at least as many residuals as free parameters

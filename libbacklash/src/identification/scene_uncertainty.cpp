@@ -32,8 +32,9 @@ constexpr double significant_pull = 3.09;
 // Residuals below this share of the data are rounding errors, and pull without meaning.
 constexpr double rounding_share = 1e-7;
 
-constexpr std::array<const char*, scene_size> names = {"mass1", "mass2", "clearance", "restitution", "contact_time"};
-constexpr std::array<const char*, scene_size> units = {"kg", "kg", "m", "1", "s"};
+constexpr std::array<const char*, scene_size> names = {"mass1",        "mass2",     "clearance", "restitution",
+                                                       "contact_time", "friction1", "friction2"};
+constexpr std::array<const char*, scene_size> units = {"kg", "kg", "m", "1", "s", "N", "N"};
 
 struct FisherMatrix {
   std::array<bool, scene_size> inner{};     // free, and not at a bound
@@ -171,8 +172,8 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
   Eigen::Index leading = 0;
   const double largest = change.cwiseAbs().maxCoeff(&leading);
   change /= change[leading] < 0 ? -largest : largest;
-  constexpr std::array<const char*, scene_size> coordinates = {"ln mass1", "ln mass2", "ln clearance", "restitution",
-                                                               "contact time"};
+  constexpr std::array<const char*, scene_size> coordinates = {
+      "ln mass1", "ln mass2", "ln clearance", "restitution", "contact time", "friction1", "friction2"};
   std::string which, rates;
   for (std::size_t k = 0; k < scene_size; ++k) {
     const double rate = change[static_cast<Eigen::Index>(k)];
@@ -365,8 +366,8 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   for (std::size_t k = 0; k < scene_size; ++k) {
     const double margin = 1e-9 * std::min(1.0, bounds.upper[k] - bounds.lower[k]);
     at_bound[k] = bounds.is_free(k) && (theta[k] <= bounds.lower[k] + margin || theta[k] >= bounds.upper[k] - margin);
-    const bool is_hard = k == 4 && bounds.lower[k] == 0 && theta[k] <= margin;
-    inner[k] = bounds.is_free(k) && (!at_bound[k] || is_hard);
+    const bool is_ideal = k >= 4 && bounds.lower[k] == 0 && theta[k] <= margin;
+    inner[k] = bounds.is_free(k) && (!at_bound[k] || is_ideal);
     bound_count += at_bound[k] && !inner[k] ? 1 : 0;
   }
   const FisherMatrix fisher = fisher_matrix(equations, inner);
@@ -377,8 +378,8 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
                     frac::student_t_95(degrees), data.time_unit};
 
-  const SceneVector value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3],
-                             theta[4] * data.time_unit};
+  const SceneVector value = {std::exp(theta[0]),        std::exp(theta[1]),         std::exp(theta[2]),        theta[3],
+                             theta[4] * data.time_unit, theta[5] * data.force_unit, theta[6] * data.force_unit};
   const double rounding = rounding_share * data.typical_misfit;
   for (std::size_t k = 0; k < scene_size; ++k) {
     if (at_bound[k] && pull(equations, inner, k, std::max(variance, rounding * rounding)) > significant_pull) {
@@ -390,7 +391,10 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   std::array<SceneGradient, scene_size> gradient;
   for (std::size_t k = 0; k < scene_size; ++k) {
     gradient[k] = SceneGradient::Zero();
-    gradient[k][static_cast<Eigen::Index>(k)] = k < 3 ? value[k] : k == 3 ? 1 : data.time_unit;
+    gradient[k][static_cast<Eigen::Index>(k)] = k < 3    ? value[k]
+                                                : k == 3 ? 1
+                                                : k == 4 ? data.time_unit
+                                                         : data.force_unit;
     SceneEstimate parameter = estimate(fisher, gradient[k], value[k], noise);
     parameter.name = names[k];
     parameter.unit = units[k];
@@ -399,7 +403,11 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     close_interval(parameter);
     if (k < result.parameters.size())
       result.parameters[k] = parameter;
-    else if (bounds.upper[k] > 0)
+    else if (k >= first_friction && bounds.has_friction()) {
+      parameter.ci95_lower = std::max(parameter.ci95_lower, 0.0);
+      parameter.identified = parameter.fixed || is_narrow(parameter);
+      result.friction.push_back(parameter);
+    } else if (k == 4 && bounds.upper[k] > 0)
       result.contact = contact_estimates(fisher, value, parameter, result.parameters[3], noise);
   }
   result.covariance = covariances(result.parameters, fisher, gradient);

@@ -15,7 +15,8 @@ namespace backlash::detail {
 struct SceneUncertainty {
   std::array<SceneEstimate, 4> parameters;
   std::array<SceneEstimate, 3> combinations;
-  std::vector<SceneEstimate> contact;  // see SceneIdentification; empty where the contact time is held at 0
+  std::vector<SceneEstimate> contact;   // see SceneIdentification; empty where the contact time is held at 0
+  std::vector<SceneEstimate> friction;  // of both masses; empty where both are held at 0
   std::vector<std::string> free_directions;
   /// One sentence per parameter at a limit beyond which the data pull it by more than their noise does.
   std::vector<std::string> strained;
@@ -24,7 +25,7 @@ struct SceneUncertainty {
   std::size_t rank;  // directions determined, parameters at a bound among them
 };
 /// A contact time of 0 that may rise is no limit of the scene, but the hard contact: the other parameters' intervals
-/// hold for all contact times that the data allow.
+/// hold for all contact times that the data allow.  So it is with friction.
 /// @param widening  factor on the standard errors
 /// @param least_variance  that the residuals count as, over their deviations
 /// @param data  tells the unit of the contact time, and which residuals are rounding

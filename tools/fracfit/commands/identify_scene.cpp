@@ -62,11 +62,14 @@ class IdentifyScene : public Command {
              "auto and compliant estimate the contact time; auto holds for hard contacts too")
         .not_with({"--load-receptance"}, "which knows hard contacts only")
         .not_with({"--drive-receptance"}, "which knows hard contacts only");
+    o.choice("--friction", scene_.friction, backlash::friction_models(),
+             "auto estimates it where the data tell it from none, estimate always")
+        .not_with({"--load-receptance"}, "which knows viscous friction only")
+        .not_with({"--drive-receptance"}, "which knows viscous friction only");
     add_open_receptances(o, load_, drive_);
     o.texts("--fix", given_.fix,
-            "of mass1, mass2, clearance, restitution and contact_time, or of names in the receptances; x1 needs a mass "
-            "or the "
-            "clearance");
+            "of mass1, mass2, clearance, restitution, contact_time, friction1 and friction2, or of names in the "
+            "receptances; x1 needs a mass or the clearance");
     o.texts("--bound", given_.bound);
     o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
     o.flag("--compare", compare_,
@@ -213,7 +216,9 @@ class IdentifyScene : public Command {
     run.command = command_line();
     run.options = {{"output", body}};
     for (auto& entry : options().entries({"--component", "--weight"})) run.options.push_back(std::move(entry));
-    if (!has_receptances()) run.options.push_back({"contact", std::string(backlash::to_string(scene_.contact))});
+    if (has_receptances()) return;
+    run.options.push_back({"contact", std::string(backlash::to_string(scene_.contact))});
+    run.options.push_back({"friction", std::string(backlash::to_string(scene_.friction))});
   }
 
   template <typename Identification>

@@ -55,6 +55,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
       {"--component", "PART", "Part of the response that is fitted"},
       {"--fit", "FILE", "Result of fracfit fit as JSON: its model, parameters and their covariance"},
+      {"--friction", "FRICTION", "Whether masses have dry friction"},
       {"--contact", "CONTACT", "Whether contacts are hard (take no time) or have stiffness and damping"},
       {"--weight", "WEIGHT", "What residuals are divided by"},
       {"--fix", "NAME=VALUE", "Hold a parameter at a value; repeatable"},

@@ -71,6 +71,7 @@ std::string scene_table(const SceneRun& run, const backlash::SceneIdentification
   std::string text = data_table(run, result) + "\n" + estimate_table("parameter", result.parameters) + "\n" +
                      estimate_table("combination", result.combinations) + "\n";
   if (!result.contact.empty()) text += estimate_table("contact", result.contact) + "\n";
+  if (!result.friction.empty()) text += estimate_table("friction", result.friction) + "\n";
   for (const auto& direction : result.free_directions) text += direction + "\n";
   text += verdict_text(result);
   if (comparison) {

@@ -1100,10 +1100,10 @@ class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
 
     def _columns(self) -> dict[str, Any]:
         names = ("name", "unit", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed")
-        return {name: [each[name] for each in (*self.parameters, *self.combinations, *self.contact)] for name in names}
+        return {name: [each[name] for each in (*self.parameters, *self.combinations, *self.contact, *self.friction)] for name in names}
 
     def __getitem__(self, name: str) -> float:
-        for each in (*self.parameters, *self.combinations, *self.contact):
+        for each in (*self.parameters, *self.combinations, *self.contact, *self.friction):
             if each["name"] == name:
                 return each["value"]
         raise KeyError(f"a scene has no quantity {name}")
@@ -1115,7 +1115,7 @@ class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
     def _repr_html_(self) -> str:
         rows = [
             (each["name"], each["unit"], each["value"], each["standard_error"], each["ci95_lower"], each["ci95_upper"])
-            for each in (*self.parameters, *self.combinations, *self.contact)
+            for each in (*self.parameters, *self.combinations, *self.contact, *self.friction)
         ]
         return html_table(["", "unit", "value", "standard error", "from", "to (95 %)"], rows, self.message)
 
@@ -1131,6 +1131,7 @@ def identify_scene(
     component: str = "both",
     weight: str | None = None,
     contact: str = "auto",
+    friction: str = "none",
     threads: int = 0,
     fix: Known = None,
     bound: Limits = None,
@@ -1144,7 +1145,7 @@ def identify_scene(
     force : array_like
         Those amplitudes, N.
     fixed, bounds : mapping, optional
-        Of mass1, mass2 (kg), clearance (m), restitution and contact_time (s).  From x1 one mass or the clearance has to be fixed.
+        Of mass1, mass2 (kg), clearance (m), restitution, contact_time (s), friction1 and friction2 (N).  From x1 one mass or the clearance has to be fixed.
     body : {"x1", "x2"}
         Whose position was measured.
     component : {"both", "real", "imaginary"}
@@ -1154,6 +1155,8 @@ def identify_scene(
     contact : {"auto", "hard", "compliant"}
         Hard contacts take no time; the others have a stiffness and a damping, which are estimated.  The intervals of
         "auto" hold for both.
+    friction : {"none", "auto", "estimate"}
+        Dry friction of both masses: taken for none, estimated where the data tell it from none, or estimated always.
 
     Examples
     --------
@@ -1176,6 +1179,7 @@ def identify_scene(
         "weight": text(chosen, "weight"),
         "sigma_is_measured": chosen == "given" and all(curve.sigma_is_measured for curve in curves),
         "contact": text(contact, "contact"),
+        "friction": text(friction, "friction"),
         "threads": count(threads, "threads"),
     }
     return SceneIdentification(_fitting.identify_scene([curve._arrays() for curve in curves], forces.tolist(), request))

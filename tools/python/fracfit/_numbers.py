@@ -129,6 +129,9 @@ class SceneIdentificationNumbers:
     contact: list[dict[str, Any]]
     contact_verdict: str
     contact_evidence: float
+    friction: list[dict[str, Any]]
+    friction_verdict: str
+    friction_evidence: float
     free_directions: list[str]
     misfits: list[str]
     residual_correlation: float

@@ -22,6 +22,7 @@ py::dict identified(const py::list& curves, const std::vector<double>& forces, c
   options.weight = frac::weight_from_string(given["weight"].cast<std::string>());
   options.sigma_is_measured = given["sigma_is_measured"].cast<bool>();
   options.contact = backlash::contact_model_from_string(given["contact"].cast<std::string>());
+  options.friction = backlash::friction_model_from_string(given["friction"].cast<std::string>());
   options.constraints = constraints_of({}, given);
   options.threads = given["threads"].cast<int>();
   const auto found = result_of([&](frac::Progress&) { return backlash::identify_scene(measured, options); });

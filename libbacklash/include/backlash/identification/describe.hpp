@@ -41,6 +41,8 @@ void describe(Result& result, const Visit& visit) {
   visit("clearance", "m", "clearance", result.parameters[2]);
   visit("restitution", "1", "coefficient of restitution", result.parameters[3]);
   visit("contact_time", "s", "time of a free contact, 0 of hard ones", result.contact_time);
+  visit("friction1", "N", "dry friction of mass 1", result.friction[0]);
+  visit("friction2", "N", "dry friction of mass 2", result.friction[1]);
   visit("odds_against", "1", "evidence of the estimate over that of this scene", result.odds);
 }
 
@@ -71,6 +73,13 @@ void describe(Result& result, const Visit& visit) {
     visit("contact_evidence", "1",
           "twice the logarithm of the likelihood ratio of contacts that take time over hard ones",
           result.contact_evidence);
+    visit("friction", "", "friction1 and friction2, see scene-estimate; empty of a scene without", result.friction);
+    visit("friction_verdict", "",
+          "present where the data tell friction from none, else undecided; none where that was asked for",
+          result.friction_verdict);
+    visit("friction_evidence", "1",
+          "twice the logarithm of the likelihood ratio of scenes with friction over those without",
+          result.friction_evidence);
     visit("free_directions", "", "what the data leave free, a sentence each", result.free_directions);
   }
   visit("misfits", "", "how the data contradict the scene, a sentence each", result.misfits);

@@ -42,6 +42,25 @@ enum class ContactVerdict {
 };
 [[nodiscard]] std::string_view to_string(ContactVerdict verdict);
 
+/// Whether masses may rub on the ground.
+enum class FrictionModel {
+  none,
+  automatic,  // where the data ask for it
+  estimate,   // from 0 on
+};
+[[nodiscard]] std::string_view to_string(FrictionModel model);  // none, auto, estimate
+[[nodiscard]] std::span<const FrictionModel> friction_models();
+/// @throws std::invalid_argument  naming the allowed ones.
+[[nodiscard]] FrictionModel friction_model_from_string(std::string_view text);
+
+/// What the data say of dry friction.
+enum class FrictionVerdict {
+  none,       // that was asked for
+  present,    // told from none
+  undecided,  // either explains the data
+};
+[[nodiscard]] std::string_view to_string(FrictionVerdict verdict);
+
 struct SceneIdentificationOptions {
   Output output = Output::x1;                         // whose motion was measured
   frac::Component component = frac::Component::both;  // both, real or imaginary
@@ -52,11 +71,13 @@ struct SceneIdentificationOptions {
   /// ratios. The variance of the residuals then counts as 1 at least: a few points that lie close by accident narrow
   /// nothing.
   bool sigma_is_measured = false;
-  /// On mass1, mass2 (kg), clearance (m), restitution and contact_time (s).  Default limits: a factor 1e6 about what
-  /// the data suggest for masses and clearance, [0, 1] for restitution, from 0 to half the period of the median
-  /// frequency for contact_time, which is 0 of hard contacts.
+  /// On mass1, mass2 (kg), clearance (m), restitution, contact_time (s), friction1 and friction2 (N).  Default limits:
+  /// a factor 1e6 about what the data suggest for masses and clearance, [0, 1] for restitution, from 0 to half the
+  /// period of the median frequency for contact_time, which is 0 of hard contacts, and from 0 to the least force
+  /// amplitude for friction.
   std::vector<frac::ParameterConstraint> constraints;
   ContactModel contact = ContactModel::automatic;
+  FrictionModel friction = FrictionModel::none;
   int threads = 0;  // 0: one per core; the result does not depend on it
 };
 
@@ -105,6 +126,7 @@ struct ScenePoint {
 struct RivalScene {
   std::array<double, 4> parameters;  // mass1, mass2, clearance, restitution
   double contact_time;               // s, 0 of hard contacts
+  std::array<double, 2> friction;    // N, of mass 1 and mass 2
   double odds;  // evidence of the estimate over that of this scene: 1 to 150, at restitution below 0.1 up to 10^9
 };
 
@@ -126,6 +148,13 @@ struct SceneIdentification {
   /// Twice the logarithm of the likelihood of contacts that take time over that of hard ones, each at its best and at
   /// its own noise; NaN for ContactModel::hard.
   double contact_evidence;
+  /// friction1 and friction2 (N).  Empty where the estimate is a scene without friction.
+  std::vector<SceneEstimate> friction;
+  /// Whether the data tell friction from none, by a likelihood ratio that chance reaches once in a thousand.
+  FrictionVerdict friction_verdict;
+  /// Twice the logarithm of the likelihood of scenes with friction over that of those without, each at its best and at
+  /// its own noise; NaN for FrictionModel::none.
+  double friction_evidence;
   /// One sentence per direction in the space of the parameters that the data leave free.
   std::vector<std::string> free_directions;
   /// One sentence for each way in which the data contradict the scene: residuals that follow a shape, curves that
@@ -186,10 +215,15 @@ struct SceneIdentification {
 /// method on the flow (tools/docs/methods/compliant-contact.md), where hard contacts do not describe the data from
 /// places with longer contacts too.  Near 0 N changes in proportion to it, so that the intervals of the others hold for
 /// all contact times that the data allow, also where the estimate is a hard contact.
+///
+/// Then dry friction of both masses, from 0 on, is freed in the same way, each point being compared with the stable
+/// orbit of one period that Newton's method on the flow finds.  FrictionModel::automatic takes the scene with friction
+/// where the data tell it from none, and else answers for a scene without; FrictionModel::estimate answers with
+/// friction and intervals that hold for all friction that the data allow.
 /// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
-///     or contradictory, or of contact_time where contacts are hard; fewer residuals than free parameters; all data
-///     zero.
+///     or contradictory, of contact_time where contacts are hard or of friction where there is none; fewer residuals
+///     than free parameters; all data zero.
 [[nodiscard]] SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
                                                  const SceneIdentificationOptions& options = {});
 

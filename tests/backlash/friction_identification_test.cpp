@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes whose masses rub on the ground, identified from N.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "backlash/compliant/compliant_bodies.hpp"
+#include "backlash/identification/scene_identification.hpp"
+#include "identification/contact_response.hpp"
+#include "identification/friction_response.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+#include "support/relative_error.hpp"
+
+namespace {
+
+using backlash::CompliantBodies;
+using backlash::CompliantContact;
+using backlash::CoulombFriction;
+using backlash::FrictionModel;
+using backlash::FrictionVerdict;
+using backlash::identify_scene;
+using backlash::MeasuredDescribingFunction;
+using backlash::Output;
+using backlash::detail::FoundOrbit;
+using backlash::detail::friction_n;
+using backlash::detail::friction_response;
+using backlash::detail::FrictionGroups;
+using backlash::detail::FrictionStart;
+using support::expect_invalid_argument;
+using support::log_grid;
+using Complex = std::complex<double>;
+
+struct Scene {
+  double mass1 = 1.5, mass2 = 0.8, clearance = 0.3, restitution = 0.6;
+  double contact_time = 0.004;
+  CoulombFriction friction{};
+
+  [[nodiscard]] CompliantBodies bodies() const {
+    const auto shape = backlash::detail::contact_shape(restitution);
+    const auto contact =
+        CompliantContact::from_frequency(shape.angle / contact_time, shape.damping_ratio, mass1, mass2);
+    return {backlash::free_mass(mass1), backlash::free_mass(mass2), clearance, contact, friction};
+  }
+  [[nodiscard]] FrictionGroups groups(double force, double omega) const {
+    return {force / (mass2 * clearance * omega * omega),
+            omega * contact_time,
+            restitution,
+            mass1 / mass2,
+            {friction.body1 / force, friction.body2 / force}};
+  }
+};
+
+// bodies_describing_function() follows the motion of the bodies in their units until it closes; here the orbit is that
+// of groups.  Each rounds to 1e-12 or so of N, more at 60 times the frequency of the force.
+TEST(FrictionResponse, IsTheDescribingFunctionOfTheBodies) {
+  const double force = 40;
+  int compared = 0;
+  for (const CoulombFriction& friction : {CoulombFriction{2, 0}, {0, 2}, {4, 1}, {0.4, 8}}) {
+    for (const double omega : {19.0, 21.0, 24.0}) {
+      for (const Output output : {Output::x1, Output::x2}) {
+        Scene scene;
+        scene.friction = friction;
+        backlash::SweepOptions sweep;
+        sweep.output = output;
+        const auto point = backlash::bodies_describing_function(scene.bodies(), force, {omega}, sweep).points.front();
+        if (point.period != 1) continue;
+        FoundOrbit found;
+        const auto n = friction_n(scene.groups(force, omega), output, FrictionStart::symmetric, found);
+        ASSERT_TRUE(n) << omega << " " << friction.body1 << " " << friction.body2;
+        const double inertia = scene.mass1 * scene.mass2 / (scene.mass1 + scene.mass2) * omega * omega;
+        EXPECT_LT(support::relative_error(*n / inertia, point.value), 1e-10)
+            << omega << " " << friction.body1 << " " << friction.body2;
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GE(compared, 16);
+}
+
+// Central differences of 1e-4 err by 1e-8 times third derivatives, forward ones of 1e-6 by 1e-6 times second ones; both
+// are of the order of ten times N, in the time a hundred.
+TEST(FrictionResponse, DerivativesAreThoseOfDifferences) {
+  constexpr double step = 1e-4;
+  for (const auto& friction : {std::array{0.05, 0.0}, {0.02, 0.1}, {0.0, 0.2}}) {
+    const FrictionGroups here{0.45, 0.08, 0.6, 1.9, friction};
+    FoundOrbit found;
+    ASSERT_TRUE(friction_n(here, Output::x1, FrictionStart::symmetric, found));
+    const auto response = friction_response(here, Output::x1, found);
+    ASSERT_TRUE(response);
+    const auto n = [&](auto change, double by) {
+      FrictionGroups other = here;
+      change(other, by);
+      FoundOrbit near = found;
+      return friction_n(other, Output::x1, FrictionStart::found, near).value();
+    };
+    const auto compare = [&](Complex derivative, auto change, const char* name) {
+      const Complex central = (n(change, step) - n(change, -step)) / (2 * step);
+      EXPECT_LT(std::abs(derivative - central), 1e-4 * (std::abs(response->n) + std::abs(central))) << name;
+    };
+    compare(
+        response->by_log_gamma, [](auto& g, double by) { g.gamma *= std::exp(by); }, "gamma");
+    compare(
+        response->by_tau, [](auto& g, double by) { g.tau += by; }, "tau");
+    compare(
+        response->by_restitution, [](auto& g, double by) { g.restitution += by; }, "restitution");
+    compare(
+        response->by_log_mass_ratio, [](auto& g, double by) { g.mass_ratio *= std::exp(by); }, "mass ratio");
+    for (const std::size_t i : {0u, 1u}) {
+      if (friction[i] == 0) continue;
+      compare(
+          response->by_friction[i], [i](auto& g, double by) { g.friction[i] += by; }, "friction");
+    }
+  }
+}
+
+const std::array<double, 2> forces = {10, 40};
+
+// Frequencies in units of sqrt(F/(mass2 clearance)), with relative noise in both parts; motions followed in the units
+// of the bodies.
+std::vector<MeasuredDescribingFunction> measured(const Scene& scene, int count, double noise, support::Random& random) {
+  std::vector<MeasuredDescribingFunction> curves;
+  for (const double force : forces) {
+    const double unit = std::sqrt(force / scene.mass2 / scene.clearance);
+    const auto data =
+        backlash::bodies_describing_function(scene.bodies(), force, log_grid(1.7 * unit, 2.5 * unit, count), {}).data();
+    std::vector<Complex> value = data.value();
+    for (Complex& z : value) {
+      const double real = random.normal();
+      z += noise * std::abs(z) * Complex(real, random.normal());
+    }
+    curves.push_back({{data.omega(), value}, force});
+  }
+  return curves;
+}
+
+backlash::SceneIdentificationOptions with_mass1(const Scene& scene) {
+  backlash::SceneIdentificationOptions options;
+  options.constraints.push_back({"mass1", scene.mass1, {}, {}, {}});
+  options.friction = FrictionModel::automatic;
+  return options;
+}
+
+// Data are exact to 1e-12; the least squares end where a step moves the estimate by less than 1e-2 of standard errors
+// that are as small as the residuals are, which with a condition in the thousands leaves 1e-5 of each value.
+TEST(FrictionIdentification, RecoversExactScenes) {
+  support::Random random(1);
+  for (const CoulombFriction& friction : {CoulombFriction{0.5, 0}, {0, 0.5}, {0.3, 1}}) {
+    Scene scene;
+    scene.friction = friction;
+    const auto result = identify_scene(measured(scene, 8, 0, random), with_mass1(scene));
+    ASSERT_TRUE(result.usable()) << result.message;
+    EXPECT_EQ(result.friction_verdict, FrictionVerdict::present) << result.message;
+    const std::array<double, 4> truth = {scene.mass1, scene.mass2, scene.clearance, scene.restitution};
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      EXPECT_NEAR(result.parameters[k].value, truth[k], 1e-5 * truth[k]) << k << result.message;
+    ASSERT_EQ(result.friction.size(), 2u);
+    EXPECT_NEAR(result.friction[0].value, friction.body1, 1e-5 * forces[0]) << result.message;
+    EXPECT_NEAR(result.friction[1].value, friction.body2, 1e-5 * forces[0]) << result.message;
+  }
+}
+
+// Noise of 1 %, friction of 5 % of the lower force.  Binomial(10, 0.95): 7 or fewer have a chance of 1.2 %, 6 or fewer
+// of 0.1 %.
+TEST(FrictionIdentification, IntervalsHoldMassesGapRestitutionAndFriction) {
+  constexpr int trials = 10;
+  support::Random random(2);
+  Scene scene;
+  scene.friction = {0.5, 0.5};
+  std::array<int, 5> held{};
+  for (int trial = 0; trial < trials; ++trial) {
+    auto options = with_mass1(scene);
+    options.friction = FrictionModel::estimate;
+    const auto result = identify_scene(measured(scene, 8, 0.01, random), options);
+    ASSERT_TRUE(result.usable()) << result.message;
+    const auto holds = [](const backlash::SceneEstimate& estimate, double value) {
+      return estimate.ci95_lower <= value && value <= estimate.ci95_upper;
+    };
+    const std::array<double, 4> truth = {scene.mass1, scene.mass2, scene.clearance, scene.restitution};
+    for (std::size_t k = 1; k < truth.size(); ++k) held[k - 1] += holds(result.parameters[k], truth[k]) ? 1 : 0;
+    held[3] += holds(result.friction[0], scene.friction.body1) ? 1 : 0;
+    held[4] += holds(result.friction[1], scene.friction.body2) ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < held.size(); ++k) EXPECT_GE(held[k], 7) << k;
+}
+
+TEST(FrictionIdentification, WithoutFrictionTheAnswerIsOneWithout) {
+  support::Random random(3);
+  const Scene scene;
+  const auto curves = measured(scene, 8, 0.01, random);
+  auto options = with_mass1(scene);
+  const auto result = identify_scene(curves, options);
+  EXPECT_EQ(result.friction_verdict, FrictionVerdict::undecided) << result.message;
+  EXPECT_TRUE(result.friction.empty());
+  options.friction = FrictionModel::none;
+  const auto without = identify_scene(curves, options);
+  EXPECT_EQ(without.friction_verdict, FrictionVerdict::none);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(result.parameters[k].value, without.parameters[k].value);
+    EXPECT_EQ(result.parameters[k].ci95_upper, without.parameters[k].ci95_upper);
+  }
+}
+
+TEST(FrictionIdentification, AFixedFrictionIsHeldAndBadOnesAreRefused) {
+  support::Random random(4);
+  Scene scene;
+  scene.friction = {0.4, 0};
+  const auto curves = measured(scene, 6, 0, random);
+  auto options = with_mass1(scene);
+  options.constraints.push_back({"friction1", 0.4, {}, {}, {}});
+  options.constraints.push_back({"friction2", 0.0, {}, {}, {}});
+  const auto result = identify_scene(curves, options);
+  ASSERT_EQ(result.friction.size(), 2u);
+  EXPECT_TRUE(result.friction[0].fixed);
+  EXPECT_NEAR(result.friction[0].value, 0.4, 1e-15);
+  EXPECT_NEAR(result.parameters[3].value, scene.restitution, 1e-5) << result.message;
+  options.friction = FrictionModel::none;
+  expect_invalid_argument([&] { return identify_scene(curves, options); }, {"friction1", "no friction"});
+  options.friction = FrictionModel::automatic;
+  options.constraints.back().fixed = -1;
+  expect_invalid_argument([&] { return identify_scene(curves, options); }, {"friction2", "-1", "0 or greater"});
+  expect_invalid_argument([] { return backlash::friction_model_from_string("dry"); }, {"dry", "none", "estimate"});
+}
+
+}  // namespace
