@@ -369,3 +369,29 @@ def test_bands_are_those_of_the_command_line(tmp_path):
     band = fracfit.fit(fracfit.read(CELL), "zarc").band(theirs["omega_rad_s"])
     for name, column in band._columns().items():
         np.testing.assert_allclose(column, theirs[name], rtol=1e-9)  # the file has the correlation in place of the covariance
+
+
+def test_admittance_as_the_component(tmp_path):
+    """By the command line and here the same numbers, of the inverse that the file's unit asks for."""
+    path = tmp_path / "z.csv"
+    s = 1j * np.logspace(-1, 2, 40)
+    z = (s + 10) / (1.5 * s + 4) * (1 + 1e-3 * np.exp(1j * np.arange(40) ** 2))
+    path.write_text("omega_rad_s,re_ohm,im_ohm\n" + "".join(f"{w!r},{v.real!r},{v.imag!r}\n" for w, v in zip(s.imag.tolist(), z.tolist())))
+    data = fracfit.read(path)
+    model = "(A s + B)/(s + p)"
+    result = fracfit.fit(data, model, component="admittance")
+    told = command_line.json_of("fit", str(path), "--model", model, "--component", "admittance")
+    assert result.parameters == {p["name"]: p["value"] for p in told["parameters"]}
+    assert result.data.unit == "S" and np.allclose(result.data.response, 1 / z, rtol=1e-15, atol=0)
+    assert fracfit.fit(data.inverse(), model, component="admittance").parameters == result.parameters
+    assert fracfit.batch([data], model, component="admittance").results[0].parameters == result.parameters
+    assert fracfit.identify(data, ["gain", model], component="admittance").ranking[0]["fit"].data.unit == "S"
+    joint = fracfit.joint_fit([data, data.inverse()], model, shared="A,B,p", component="impedance")
+    assert np.isclose(joint["p"], 4 / 1.5, rtol=0.01)  # disturbed by 0.1 % at each of 80 points
+    assert fracfit.validate(data, component="admittance").data.unit == "S"
+    with pytest.warns(UserWarning, match="taken for the impedance"):
+        fracfit.validate(fracfit.FrequencyResponse(data.omega, data.response), component="admittance")
+    with pytest.raises(ValueError, match="in Pa, neither an impedance nor an admittance"):
+        fracfit.fit(fracfit.FrequencyResponse(data.omega, data.response, unit="Pa"), model, component="admittance")
+    with pytest.raises(ValueError, match="component is 'phase'"):
+        fracfit.validate(data, component="phase")

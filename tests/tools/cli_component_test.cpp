@@ -5,8 +5,10 @@
 #include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -185,6 +187,95 @@ TEST_F(ImaginaryPartAlone, IsNoRealPartNorAWholeResponse) {
   auto conditional = fit;
   conditional.insert(conditional.end(), {"--where", "re<1"});
   EXPECT_EQ(run_fracfit(conditional).code, 2);
+}
+
+class ImpedanceOrAdmittance : public testing::Test {
+ protected:
+  /// Y = (s - 1)/(s + 10) + 0.5, whose pole is stable; Z = 1/Y = (s + 10)/(1.5 s + 4), or with 0.05 in place of 0.5 one
+  /// with the pole 0.5/1.05 right of the axis.  Noise of 0.1 %, seeded.
+  std::string file_of(const std::string& name, const std::string& unit, double constant, bool as_admittance) {
+    std::mt19937 generator(7);
+    std::normal_distribution<double> noise(0, 1e-3);
+    std::ostringstream text;
+    text.precision(17);
+    text << "omega_rad_s,re" << unit << ",im" << unit << '\n';
+    for (int i = 0; i <= 60; ++i) {
+      const double omega = std::pow(10.0, -1 + i / 15.0);
+      const std::complex<double> s(0, omega);
+      const auto disturbed =
+          ((s - 1.0) / (s + 10.0) + constant) * (1.0 + std::complex<double>(noise(generator), noise(generator)));
+      const auto value = as_admittance ? disturbed : 1.0 / disturbed;
+      text << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    return folder.write(name, text.str());
+  }
+  TemporaryFolder folder;
+};
+
+// What the same numbers give as the other quantity: each command sees the same values but for the rounding of two
+// divisions, and the optimum moves by no more than the search's own end, 1e-6 of a parameter.
+TEST_F(ImpedanceOrAdmittance, IsMadeOfTheOther) {
+  const auto z = file_of("z.csv", "_ohm", 0.5, false), y = file_of("y.csv", "_S", 0.5, true);
+  for (const auto& [given, other, word, unit] :
+       {std::tuple(z, y, "admittance", "S"), std::tuple(y, z, "impedance", "ohm")}) {
+    const auto made = run_fracfit({"fit", given, "--model", "(A s + B)/(s + p)", "--component", word});
+    ASSERT_EQ(made.code, 0) << made.error;
+    EXPECT_NE(made.error.find(std::string("values are the ") + word + ", 1 over the "), std::string::npos)
+        << made.error;
+    const Json json = Json::parse(made.output);
+    EXPECT_EQ(json["options"]["component"], word);
+    EXPECT_EQ(json["parameters"][0]["unit"], unit);
+    const Json direct = successful({"fit", other, "--model", "(A s + B)/(s + p)"});
+    for (const char* name : {"A", "B", "p"})
+      EXPECT_NEAR(value_of(json["parameters"], name) / value_of(direct["parameters"], name), 1, 2e-6) << name << word;
+    // A file that holds what is asked for is taken as it is.
+    const auto same = run_fracfit({"fit", other, "--model", "(A s + B)/(s + p)", "--component", word});
+    EXPECT_EQ(same.error.find("values are"), std::string::npos) << same.error;
+    EXPECT_EQ(Json::parse(same.output)["parameters"], direct["parameters"]);
+  }
+  const Json ranked = successful({"identify", z, "--models", "rational:1,gain", "--component", "admittance"});
+  EXPECT_EQ(ranked["options"]["component"], "admittance");
+  const auto batch =
+      run_fracfit({"batch", z, y, "--model", "(A s + B)/(s + p)", "--component", "impedance", "--format", "jsonl"});
+  ASSERT_EQ(batch.code, 0) << batch.error;
+  const auto lines = lines_of(batch.output);
+  std::vector<double> gains;
+  for (const auto& line : lines)
+    if (const Json row = Json::parse(line); row.contains("A")) gains.push_back(row["A"].get<double>());
+  ASSERT_EQ(gains.size(), 2U);
+  EXPECT_NEAR(gains[0] / gains[1], 1, 2e-6);
+}
+
+// An impedance with a pole right of the axis is no stable response, while the admittance, measured at a held voltage,
+// is one: the verdicts differ by construction.
+TEST_F(ImpedanceOrAdmittance, IsJudgedByItself) {
+  const auto z = file_of("unstable.csv", "_ohm", 0.05, false);
+  EXPECT_EQ(successful({"validate", z, "--format", "json"})["rows"][0]["validity"], "invalid");
+  const Json held = successful({"validate", z, "--component", "admittance", "--format", "json"});
+  EXPECT_EQ(held["rows"][0]["validity"], "valid");
+  EXPECT_EQ(held["component"], "admittance");
+}
+
+TEST_F(ImpedanceOrAdmittance, OfOtherDataIsRefusedOrSaysWhatItTook) {
+  const auto modulus = run_fracfit({"validate", file_of("m.csv", "_Pa", 0.5, false), "--component", "admittance"});
+  EXPECT_EQ(modulus.code, 3);
+  EXPECT_NE(modulus.error.find("holds values in Pa, which are neither an impedance nor an admittance"),
+            std::string::npos)
+      << modulus.error;
+  const auto unknown =
+      run_fracfit({"validate", file_of("n.csv", "", 0.5, false), "--component", "admittance", "--format", "json"});
+  EXPECT_EQ(unknown.code, 0);
+  EXPECT_NE(unknown.error.find("they are taken for the impedance, and 1 over them for the admittance"),
+            std::string::npos)
+      << unknown.error;
+  const auto both = run_fracfit(
+      {"fit", file_of("z.csv", "_ohm", 0.5, false), "--model", "zarc", "--component", "admittance", "--quantity", "n"});
+  EXPECT_EQ(both.code, 2);
+  const auto alone = folder.write("alone.csv", "omega_rad_s,im_ohm\n1,-1\n2,-2\n3,-1\n");
+  const auto missing = run_fracfit({"fit", alone, "--model", "lag", "--component", "admittance"});
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_NE(missing.error.find("holds no real part, without which the admittance is not known"), std::string::npos)
+      << missing.error;
 }
 
 }  // namespace

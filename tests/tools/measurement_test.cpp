@@ -16,11 +16,13 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
+#include "io/immittance.hpp"
 #include "io/number.hpp"
 #include "temporary_folder.hpp"
 
@@ -676,6 +678,24 @@ TEST(MeasurementExamples, AreReadRightWithoutAnOption) {
     }
   }
   EXPECT_EQ(met.size(), 9U);
+}
+
+// Of each pair the second is the unit of the inverse by the rules of units.
+TEST(UnitsOfImmittances, AreToldAndInverted) {
+  using enum io::Immittance;
+  const std::tuple<const char*, io::Immittance, const char*> known[] = {
+      {"ohm", impedance, "S"},        {"kohm", impedance, "mS"},
+      {"MOhm", impedance, "uS"},      {"mohm", impedance, "kS"},
+      {"\xCE\xA9", impedance, "S"},   {"S", admittance, "ohm"},
+      {"mS", admittance, "kohm"},     {"ohm cm2", impedance, "1/(ohm cm2)"},
+      {"S/cm2", admittance, "cm2/S"}, {"1/(ohm cm2)", admittance, "ohm cm2"},
+      {"1/ohm", admittance, "ohm"}};
+  for (const auto& [unit, immittance, inverse] : known) {
+    EXPECT_EQ(io::immittance_of_unit(unit), immittance) << unit;
+    EXPECT_EQ(io::inverse_immittance_unit(unit), inverse) << unit;
+  }
+  for (const char* unit : {"", "1", "Pa", "m/N", "s", "m_per_n", "GPa", "V"})
+    EXPECT_FALSE(io::immittance_of_unit(unit)) << unit;
 }
 
 }  // namespace

@@ -297,6 +297,7 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
                                               const FrequencyResponseReadOptions& options) {
   FrequencyResponseFile file = read_as_stored(measurement, options);
   file.quantity = stored_quantity(file, measurement.file);
+  if (options.immittance) return in_immittance(std::move(file), *options.immittance, measurement.file);
   if (!options.quantity || *options.quantity == file.quantity) return file;
   return in_quantity(std::move(file), *options.quantity, measurement.file);
 }
@@ -330,6 +331,45 @@ FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity
   std::erase_if(file.metadata, [](const auto& entry) { return entry.first == quantity_key; });
   file.metadata.emplace_back(quantity_key, backlash::to_string(quantity));
   file.quantity = quantity;
+  return file;
+}
+
+FrequencyResponseFile in_immittance(FrequencyResponseFile file, Immittance wanted, const std::string& name) {
+  const std::string asked(to_string(wanted));
+  const auto told = file.symbol == "z"   ? std::optional(Immittance::impedance)
+                    : file.symbol == "y" ? std::optional(Immittance::admittance)
+                                         : immittance_of_unit(file.value_unit);
+  if (!told && (!file.symbol.empty() || (!file.value_unit.empty() && file.value_unit != "1")))
+    throw DataError(
+        name, 0, 0,
+        "holds values " +
+            (file.value_unit.empty() ? "of " + quoted(file.symbol) : "in " + written_unit(file.value_unit)) +
+            ", which are neither an impedance nor an admittance, so that there is no " + asked);
+  if (told == wanted) return file;
+  const std::string held(to_string(wanted == Immittance::impedance ? Immittance::admittance : Immittance::impedance));
+  if (file.real_is_missing)
+    throw DataError(name, 0, 0, "holds no real part, without which the " + asked + " is not known");
+  const auto converted = [&] {
+    try {
+      return backlash::minus_inverse(file.data);
+    } catch (const std::invalid_argument&) {
+      throw DataError(name, 0, 0, "is 0 at each of its points, where the " + asked + " is infinite");
+    }
+  }();
+  std::vector<std::complex<double>> value = converted.data.value();
+  for (auto& each : value) each = -each;
+  file.data = frac::FrequencyResponseData(converted.data.omega(), std::move(value), converted.data.sigma(),
+                                          converted.data.frequency_unit());
+  const std::string unit = file.value_unit.empty() ? "" : " in " + written_unit(file.value_unit);
+  file.notes.push_back(told ? "values are the " + asked + ", 1 over the " + held + unit + " of the file"
+                            : "the file does not tell what its values are; they are taken for the " + held +
+                                  ", and 1 over them for the " + asked);
+  if (const std::size_t count = converted.left_out.size(); count > 0)
+    file.notes.push_back(std::to_string(count) + (count == 1 ? " point" : " points") + " at which the " + held +
+                         " is 0 left out, as the " + asked + " is infinite there, the first at " +
+                         format_number(converted.left_out.front()) + " rad/s");
+  file.value_unit = inverse_immittance_unit(file.value_unit);
+  file.symbol = wanted == Immittance::impedance ? "z" : "y";
   return file;
 }
 

@@ -8,6 +8,7 @@
 
 #include "backlash/minus_inverse.hpp"
 #include "frac/model/frequency_response_data.hpp"
+#include "io/immittance.hpp"
 #include "io/measurement.hpp"
 #include "io/point_filter.hpp"
 #include "io/text_table.hpp"
@@ -39,6 +40,9 @@ struct FrequencyResponseReadOptions {
   bool repeats_are_points = false;
   /// N or -1/N, whichever of both the file holds; unset: as the file has it.  Conditions are on what the file holds.
   std::optional<backlash::Quantity> quantity;
+  /// Impedance or admittance, whichever of both the file holds; unset: as the file has it.  A file that does not tell
+  /// is taken to hold the other one, with a note.
+  std::optional<Immittance> immittance;
   /// What the caller tells of the file; its choice of a sweep is as good as `curve`.
   MeasurementOptions how = {};
 };
@@ -89,6 +93,11 @@ struct FrequencyResponseFile {
 /// @throws DataError  no point has one, or the real part is missing.
 [[nodiscard]] FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity,
                                                 const std::string& name);
+
+/// The same file as this one of both, with a note: values, sigma, unit and symbol.
+/// @throws DataError  it holds something else, no point has an inverse, or the real part is missing.
+[[nodiscard]] FrequencyResponseFile in_immittance(FrequencyResponseFile file, Immittance wanted,
+                                                  const std::string& name);
 
 /// Labels of the curves in a file that holds several, in order of appearance: its sweeps; those of its columns; "Set=3"
 /// and so on where rows repeat the frequencies and a column tells the sweeps apart; or the values in the key column

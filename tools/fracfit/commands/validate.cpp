@@ -99,6 +99,7 @@ class Validate : public Command {
         .names_input();
     add_file_options(o, how_);
     add_select(o, how_);
+    add_immittance(o, immittance_);
     o.number("--level", level_, "Chance that data without a fault are not called valid, between 0 and 1", "P");
     o.number(
         "--accuracy", accuracy_,
@@ -125,6 +126,7 @@ class Validate : public Command {
         "  fracfit validate cell.DTA --format table\n"
         "  fracfit validate sweep1.mpt sweep2.mpt --out validity.csv\n"
         "  fracfit validate film.csv --tolerance 0.03\n"
+        "  fracfit validate cell.DTA --component admittance    # of a cell whose voltage was held\n"
         "  fracfit validate cell.csv --picture residuals.svg");
   }
 
@@ -163,7 +165,7 @@ class Validate : public Command {
     std::vector<io::DataError> problems;
     for (const auto& file : files_) {
       try {
-        auto curves = read_curves(file, how_);
+        auto curves = read_curves(file, how_, {}, immittance_);
         for (const auto& note : notes_of(curves)) say(file + ": " + note);
         for (auto& curve : curves) {
           auto result = frac::validate(curve.file.data, {level_, accuracy_, tolerance_, all_points_ ? 0 : most_points});
@@ -187,6 +189,7 @@ class Validate : public Command {
     document.head.emplace_back("level", io::format_number(level_));
     document.head.emplace_back("accuracy", io::format_number(accuracy_));
     document.head.emplace_back("tolerance", io::format_number(tolerance_));
+    if (immittance_) document.head.emplace_back("component", to_string(*immittance_));
     auto& columns = document.rows.columns;
     columns = {"file",
                "curve",
@@ -306,6 +309,7 @@ class Validate : public Command {
 
   std::vector<std::string> files_;
   io::MeasurementOptions how_;
+  std::optional<io::Immittance> immittance_;
   double level_ = 0.05;
   double accuracy_ = frac::ValidationOptions{}.accuracy;
   double tolerance_ = frac::ValidationOptions{}.tolerance;

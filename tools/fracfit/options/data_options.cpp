@@ -33,4 +33,11 @@ void add_quantity(Options& options, std::optional<backlash::Quantity>& quantity)
       .only_for(frequency_response);
 }
 
+Option& add_immittance(Options& options, std::optional<io::Immittance>& immittance) {
+  return options
+      .choice("--component", immittance, io::immittances(),
+              "made of the other one where the file holds that, which its columns or the unit tell")
+      .default_is("as the file has it");
+}
+
 }  // namespace fracfit

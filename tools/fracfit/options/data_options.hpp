@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "backlash/minus_inverse.hpp"
+#include "io/immittance.hpp"
 #include "io/measurement.hpp"
 #include "options/options.hpp"
 
@@ -20,5 +21,8 @@ void add_select(Options& options, io::MeasurementOptions& how);
 
 /// --quantity: N or -1/N, whichever of both the file holds.
 void add_quantity(Options& options, std::optional<backlash::Quantity>& quantity);
+
+/// --component of commands for which it tells impedance or admittance alone.
+Option& add_immittance(Options& options, std::optional<io::Immittance>& immittance);
 
 }  // namespace fracfit

@@ -45,10 +45,21 @@ void add_data(Options& options, FitRequest& request) {
 void add_residual_options(Options& options, FitRequest& request) {
   constexpr std::size_t most_poles = 1000;
   add_quantity(options, request.quantity);
+  auto parts = spellings(frac::components());
+  for (auto& immittance : spellings(io::immittances())) parts.push_back(std::move(immittance));
   options
-      .choice("--component", request.component, frac::components(),
-              "of data without a real part both is the imaginary one")
+      .parsed(
+          "--component", request.component,
+          [&request](std::string_view, const std::string& text) {
+            request.immittance = io::immittance_from_string(text);
+            return request.immittance ? frac::Component::both : frac::component_from_string(text);
+          },
+          "of data without a real part both is the imaginary one; impedance and admittance are both parts of that one, "
+          "made of the other where the file holds that, and the model is one of it")
+      .one_of(std::move(parts))
+      .otherwise(std::string(frac::to_string(request.component)))
       .only_for(frequency_response);
+  options["--quantity"].not_with({"--component", spellings(io::immittances())}, "which are no describing functions");
   options
       .text("--weight", request.weight,
             "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
@@ -130,6 +141,7 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measure
   options.magnitude_may_miss = request.component == frac::Component::phase;
   options.real_may_miss = request.component == frac::Component::imaginary || request.component == frac::Component::both;
   options.quantity = request.quantity;
+  options.immittance = request.immittance;
   options.how = request.how;
   options.repeats_are_points = request.weight == frac::to_string(frac::Weight::repeats);
   if (request.key_column.empty())
@@ -148,7 +160,8 @@ void settle_component(FitRequest& request, Options& options, const frac::Frequen
   const frac::Component fitted = frac::fitted_component(data, request.component);
   if (fitted == request.component) return;
   request.component = fitted;
-  options["--component"].say(std::string(frac::to_string(fitted)));
+  // Of an impedance or admittance the word says what its parts are those of.
+  if (!request.immittance) options["--component"].say(std::string(frac::to_string(fitted)));
   note(std::string(frac::imaginary_part_alone));
 }
 

@@ -21,6 +21,8 @@ struct FitRequest {
   std::string data;
   std::optional<backlash::Quantity> quantity;
   frac::Component component = frac::FitOptions{}.component;
+  /// Where --component says so: both parts of the data as this one, and models of it.
+  std::optional<io::Immittance> immittance;
   std::string weight{frac::to_string(frac::FitOptions{}.weight)};
   frac::Loss loss = frac::Loss::none;
   std::string realisation = "exact";

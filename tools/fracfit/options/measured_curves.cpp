@@ -6,11 +6,13 @@
 namespace fracfit {
 
 std::vector<MeasuredCurve> read_curves(const std::string& file, const io::MeasurementOptions& how,
-                                       std::optional<backlash::Quantity> quantity) {
+                                       std::optional<backlash::Quantity> quantity,
+                                       std::optional<io::Immittance> immittance) {
   const io::Measurement measurement = io::read_measurement(file, how);
   io::FrequencyResponseReadOptions options;
   options.how = how;
   options.quantity = quantity;
+  options.immittance = immittance;
   std::vector<MeasuredCurve> curves;
   const auto labels = how.select.empty() ? io::curve_labels(measurement, "") : std::vector<std::string>{};
   for (const auto& label : labels) {

@@ -17,7 +17,8 @@ struct MeasuredCurve {
 
 /// Every sweep, curve and scene of a file, or the one selected.
 [[nodiscard]] std::vector<MeasuredCurve> read_curves(const std::string& file, const io::MeasurementOptions& how,
-                                                     std::optional<backlash::Quantity> quantity = {});
+                                                     std::optional<backlash::Quantity> quantity = {},
+                                                     std::optional<io::Immittance> immittance = {});
 
 /// What was assumed, ignored or sorted while the curves were read, each sentence once.
 [[nodiscard]] std::vector<std::string> notes_of(const std::vector<MeasuredCurve>& curves);

@@ -217,21 +217,52 @@ class FrequencyResponse(_Samples):
         >>> stiffness.omega, abs(stiffness.response), stiffness.unit
         (array([1., 4.]), array([2., 4.]), 'N/m')
         """
-        from . import _core
+        above, slash, below = self.unit.partition("/")
+        return self._inverse(-1, f"{below}/{above}" if slash else self.unit and f"1/{self.unit}", "N")
 
+    def inverse(self) -> FrequencyResponse:
+        """1 over the values, with sigma carried over: the admittance of an impedance, and the impedance of an admittance.
+
+        Points at which the values are 0 have none and are left out, which the metadata tell.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> admittance = fracfit.FrequencyResponse([1, 2], [2, 4j], unit="kohm").inverse()
+        >>> abs(admittance.response), admittance.unit
+        (array([0.5 , 0.25]), 'mS')
+        """
+        from . import _files
+
+        return self._inverse(1, _files.inverse_unit(self.unit), "the response")
+
+    def _as_immittance(self, wanted: str) -> FrequencyResponse:
+        """The impedance or the admittance, whichever of both the values are; without a unit they are taken for the other one."""
+        from . import _files
+
+        held = _files.immittance_of_unit(self.unit)
+        if held == wanted:
+            return self
+        if not held and self.unit not in ("", "1"):
+            raise ValueError(f"the values are in {self.unit}, neither an impedance nor an admittance, so that there is no {wanted}")
+        if not held:
+            other = "impedance" if wanted == "admittance" else "admittance"
+            warnings.warn(f"the data have no unit; they are taken for the {other}, and 1 over them for the {wanted}", stacklevel=5)
+        return self.inverse()
+
+    def _inverse(self, sign: int, unit: str, name: str) -> FrequencyResponse:
         sigma = np.zeros(self.size) if self._sigma is None else self._sigma
         response, spread = _core.minus_inverse(self._response, sigma)
         kept = np.isfinite(response)
         metadata = dict(self.metadata)
         if not kept.all():
             lost = ", ".join(f"{omega:g}" for omega in self._omega[~kept])
-            metadata["notes"] = " ".join(filter(None, [metadata.get("notes", ""), f"Left out at {lost} rad/s, where N is 0."]))
-        above, slash, below = self.unit.partition("/")
+            metadata["notes"] = " ".join(filter(None, [metadata.get("notes", ""), f"Left out at {lost} rad/s, where {name} is 0."]))
         return FrequencyResponse(
             self._omega[kept],
-            response[kept],
+            response[kept] if sign < 0 else -response[kept],
             None if self._sigma is None else spread[kept],
-            unit=f"{below}/{above}" if slash else self.unit and f"1/{self.unit}",
+            unit=unit,
             frequency_unit=self.frequency_unit,
             metadata=metadata,
         )

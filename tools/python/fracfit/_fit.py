@@ -511,8 +511,9 @@ def fit(
         ``"component-power-law"``, K omega^b as one part of a response by itself, which no transfer function has.
     grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms", "elements"}, optional
         Instead of a model a family, grown by a term at a time while the data pay for it.
-    component : {"both", "imaginary", "real", "magnitude", "phase"}
-        Part of a response that is fitted.  Where the real part is 0 at every frequency, "both" is "imaginary", and a
+    component : {"both", "imaginary", "real", "magnitude", "phase", "impedance", "admittance"}
+        Part of a response that is fitted; "impedance" and "admittance" are both parts of that one, made of the other where
+        the unit of the data is that of the other, and the model is one of it, as is ``result.data``.  Where the real part is 0 at every frequency, "both" is "imaginary", and a
         warning says so.
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
         What residuals are divided by; by default "given" where `sigma_is_measured`, else "learned".  Over time the sigma
@@ -573,6 +574,7 @@ def fit(
             "give either model, the structure, or grow, the family to grow it in"
             + ("; presets() lists models by name" if model is None else "")
         )
+    data, component = _fitted_part(data, component)
     fixed, bounds = _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound")
     if grow is not None and (prior or constraint):
         raise ValueError("prior and constraint do not go with grow, whose parameters the data choose")
@@ -614,6 +616,13 @@ def weight_of(given: str | None, data: Sequence[FrequencyResponse | TimeSeries],
     responses = [each for each in data if isinstance(each, FrequencyResponse)]
     measured = bool(responses) and all(each.sigma_is_measured for each in responses)
     return given if given is not None else "given" if measured else otherwise
+
+
+def _fitted_part(data: Any, component: Any) -> tuple[Any, Any]:
+    """Data and component, where that is an impedance or admittance both parts of it."""
+    if component not in ("impedance", "admittance") or not isinstance(data, FrequencyResponse):
+        return data, component
+    return data._as_immittance(component), "both"
 
 
 def _is_values(given: Any) -> bool:
@@ -751,6 +760,10 @@ def batch(
         if key not in (*known, *beforehand):
             raise TypeError(f"batch() has no argument {key!r}{meant(key, (*known, *beforehand))}; as of fit it takes {', '.join((*known, *beforehand))}")
         request[key] = realisation_of(value) if key == "realisation" else value
+    if "component" in request:
+        component = request["component"]
+        curves = [_fitted_part(curve, component)[0] for curve in curves]
+        request["component"] = "both" if component in ("impedance", "admittance") else component
     request["weight"] = weight_of(request.get("weight"), curves)
     request.update(_known(starts, *(options.get(key) for key in beforehand)))
     found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
@@ -883,7 +896,7 @@ def identify(
     >>> fracfit.identify(data, ["fractional-lag", "lag"]).ranking[0]["name"]
     'fractional-lag'
     """
-    data = data_of(data)
+    data, component = _fitted_part(data_of(data), component)
     names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,

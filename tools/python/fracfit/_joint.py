@@ -10,7 +10,7 @@ import numpy as np
 from ._arrays import count, mapping, number, real_array, seed_number, text, texts
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of
-from ._fit import Known, Limits, Priors, _described, _fitting, _known, _one_of, _structure, weight_of
+from ._fit import Known, Limits, Priors, _described, _fitted_part, _fitting, _known, _one_of, _structure, weight_of
 from ._model import Model, _Record, realisation_of
 from ._numbers import JointFitNumbers, JumpLawNumbers
 from ._tables import Table
@@ -164,6 +164,9 @@ def joint_fit(
     labels = [f"curve {i + 1}" for i in range(len(curves))] if names is None else texts(list(names) if isinstance(names, tuple) else names, "names")
     if len(labels) != len(curves):
         raise ValueError(f"names are {names!r}; expected one for each of the {len(curves)} curves")
+    parts = [_fitted_part(curve, component) for curve in curves]
+    curves = [curve for curve, _ in parts]
+    component = next((part for curve, part in parts if isinstance(curve, FrequencyResponse)), component)
     formula, starts = _structure(model)
     known = _covariates(curves, covariates)
     beforehand = _known(starts, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), start, prior, constraint)

@@ -112,7 +112,7 @@ class RelaxationTimes(_Record, RelaxationTimesNumbers, Table):
 
 @named
 def validate(
-    data: Any, values: Any = None, *, level: float = 0.05, accuracy: float = 1e-4, tolerance: float = 0.01
+    data: Any, values: Any = None, *, component: str | None = None, level: float = 0.05, accuracy: float = 1e-4, tolerance: float = 0.01
 ) -> Validation:
     """Whether measured data can be the response of a linear, causal, stable system that stayed the same (Kramers, Kronig).
 
@@ -120,6 +120,9 @@ def validate(
     ----------
     data : FrequencyResponse, or the like
         As of `fit`; ``validate(f, Z)`` takes two arrays.
+    component : {"impedance", "admittance"}, optional
+        Which of both is judged, made of the other where the unit of the data is that of the other: an admittance where the
+        voltage was held, which needs no stable impedance.
     level : float
         Chance that data without a fault are not called valid, between 0 and 1.
     accuracy : float
@@ -136,6 +139,10 @@ def validate(
     ('valid', 'invalid')
     """
     points = response_of(data, values)
+    if component is not None:
+        if text(component, "component") not in ("impedance", "admittance"):
+            raise ValueError(f"component is {component!r}; expected impedance or admittance")
+        points = points._as_immittance(component)
     level, accuracy, tolerance = number(level, "level"), number(accuracy, "accuracy"), number(tolerance, "tolerance")
     if not 1e-15 <= level < 1:
         raise ValueError(f"level is {level:g}; allowed is 1e-15 up to 1")

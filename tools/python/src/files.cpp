@@ -109,6 +109,11 @@ PYBIND11_MODULE(_files, module) {
   });
   module.def("raw_record", &raw_record);
   module.def("points_where", &points_where);
+  module.def("immittance_of_unit", [](const std::string& unit) {
+    const auto found = io::immittance_of_unit(unit);
+    return std::string(found ? io::to_string(*found) : "");
+  });
+  module.def("inverse_unit", &io::inverse_immittance_unit);
 #ifdef FRACFIT_HAS_EXPORTS
   module.def("fmu_archive", [](const std::string& name, const std::vector<std::pair<std::string, std::string>>& files,
                                const std::string& main_source) {

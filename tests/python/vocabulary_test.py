@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every option of a computing command has a word in Python, or stands here with the reason why it has none."""
+
+import inspect
+import re
+
+import pytest
+
+import command_line
+import fracfit
+
+FUNCTIONS = {
+    "approximate": "approximate",
+    "basins": "basins",
+    "controller": "FractionalPid",
+    "drt": "drt",
+    "export arduino": "export_arduino",
+    "export c99": "export_c99",
+    "export fmu": "export_fmu",
+    "export spice": "export_spice",
+    "fit": "fit",
+    "history": "history",
+    "identify": "identify",
+    "identify-scene": "identify_scene",
+    "joint-fit": "joint_fit",
+    "jump-law": "jump_law",
+    "limit-cycles": "limit_cycles",
+    "loop": "loop",
+    "map": "regime_map",
+    "mittag-leffler": "mittag_leffler",
+    "multisine": "multisine",
+    "orbits": "orbits",
+    "realise": "Model.realise",
+    "report": "report",
+    "respond": "Model.respond",
+    "response": "response",
+    "simulate": "describing_function",
+    "tune": "tune",
+    "validate": "validate",
+}
+
+# Of the program, whatever it computes.
+OF_PROGRAMS = {
+    "help": "help()",
+    "format": "attributes, to_csv, to_dataframe",
+    "out": "to_csv",
+    "quiet": "warnings.filterwarnings",
+    "time-limit": "Ctrl-C and the caller's own clock",
+    "threads": "where the function is faster with several it has the argument",
+    "shard": "a job of its own",
+    "picture": "plot()",
+    "pictures": "plot()",
+}
+# What a file does not tell of itself is told to `read`, and points are chosen by `where`.
+OF_FILES = {"columns", "frequency-unit", "select", "where", "by"}
+REALISATION = dict.fromkeys(("band", "poles", "sample-time", "memory"), "realisation={...}")
+RECORD = dict.fromkeys(("hold", "input-at-rest"), "TimeSeries")
+QUANTITY = {"quantity": "FrequencyResponse.minus_inverse"}
+PAIR = dict.fromkeys(("contact-frequency", "contact-ratio", "contact-restitution"), "contact_of_frequency")
+CONTROLLER = dict.fromkeys(
+    ("kp", "ki", "kd", "lambda", "mu", "model", "poles", "min", "max", "swing", "sample-count", "derivative-filter", "anti-windup", "discretisation")
+    + ("derivative-setpoint-weight", "setpoint-weight", "tracking-time"),
+    "FractionalPid, which is the source",
+)
+
+# The same under another word: a name that Python reserves, a spelled-out one, or the first argument.
+RENAMED = {
+    "controller": {"derivative-filter": "derivative_filter_time", "lambda": "lambda_", "max": "maximum", "min": "minimum", "swing": "most_swing"},
+    "fit": {"fix": "fixed", "bound": "bounds"},
+    "identify-scene": {"fix": "fixed", "bound": "bounds"},
+    "joint-fit": {"fix": "fixed", "bound": "bounds"},
+    "limit-cycles": {"omega": "band"},
+    "map": {"orbit-tolerance": "tolerance"},
+    "orbits": {"from": "start", "to": "stop"},
+    "simulate": {"orbit-tolerance": "tolerance"},
+    "tune": {"derivative-filter": "derivative_filter_time", "lambda": "lambda_", "model": "plant", "fit": "plant", "step": "load_step"},
+}
+# What has a place of its own in Python.
+ELSEWHERE = {
+    "controller": {"model": "Model.realise", "sample-count": "FractionalPid", "name": "FractionalPid.c_header", "precision": "FractionalPid.c_header"},
+    "drt": {"fit": "the data, which may be a FitResult"},
+    "export arduino": CONTROLLER,
+    "export c99": CONTROLLER,
+    "export fmu": CONTROLLER,
+    "fit": {**REALISATION, **RECORD, **QUANTITY, "profile": "FitResult.profile", "bootstrap": "FitResult.bootstrap", "refits": "FitResult.bootstrap"},
+    "identify": {**REALISATION, **RECORD, **QUANTITY, **dict.fromkeys(("force", "clearance", "mass1", "mass2"), "curves={...} of static_describing_function")},
+    "identify-scene": {"compare": "identify"},
+    "joint-fit": {**REALISATION, **RECORD, **QUANTITY},
+    "jump-law": PAIR,
+    "limit-cycles": {"over": "a loop over calls"},
+    "loop": {"setpoint-file": "setpoint, which may be arrays"},
+    "map": {**PAIR, **QUANTITY},
+    "multisine": {"name": "a name for the exported C text"},
+    "realise": {"model": "Model", "form": "the modal one; scipy.signal has others"},
+    "respond": {"model": "Model", "feedback": "Model.feedback", "omega": "Model.sine"},
+    "simulate": {**PAIR, **QUANTITY, "motion": "static_describing_function", "diagnostics": "attributes of the curve"},
+    "validate": {"all-points": "all are judged"},
+}
+# These have no word yet: the compiled part does not take them.
+MISSING = {
+    "approximate": {"amplification", "discretisation", "sample-time", "taps"},
+    "history": {"contact-damping", "contact-frequency", "contact-ratio", "contact-restitution", "contact-stiffness", "friction1", "friction2"}
+    | {"clip", "clock-jitter", "force-noise", "quantisation", "sample-time", "seed", "sensor-delay", "sensor-noise"},
+    "identify": {"bound", "folds"},
+    "identify-scene": {"drive-receptance", "load-receptance"},
+    "joint-fit": {"master"},
+    "jump-law": {"constants"},
+    "limit-cycles": {"branches"},
+    "loop": {"clip", "clock-jitter", "force-noise", "quantisation", "record", "seed", "sensor-delay", "sensor-noise"},
+    "mittag-leffler": {"gamma"},
+    "orbits": {"basins-at"},
+    "simulate": {"drive-receptance", "load-receptance"},
+    "tune": {"from-relay"},
+}
+
+
+def options_of(name):
+    return set(re.findall(r"^  (?:-\w,)?--([a-z0-9-]+)", command_line.run("help", *name.split()), flags=re.M)) - {"help"}
+
+
+def words_of(name):
+    thing = fracfit
+    for part in FUNCTIONS[name].split("."):
+        thing = getattr(thing, part)
+    return set(inspect.signature(thing).parameters)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_option_has_its_place(name):
+    options, words = options_of(name), words_of(name)
+    assert len(options) > 1
+    renamed, elsewhere, missing = RENAMED.get(name, {}), ELSEWHERE.get(name, {}), MISSING.get(name, set())
+    named = {option for option in options if option.replace("-", "_") in words}
+    placed = named | set(OF_PROGRAMS) | OF_FILES | set(renamed) | set(elsewhere) | missing
+    assert not options - placed, f"options without a word in Python: {sorted(options - placed)}"
+    # The lists stay true: no entry for an option that is none, or that has its word.
+    own = set(elsewhere) | missing if elsewhere is not CONTROLLER else missing
+    assert not own - options, f"no options of {name}: {sorted(own - options)}"
+    assert not missing & named, f"no longer missing: {sorted(missing & named)}"
+    assert not set(renamed.values()) - words, f"no arguments of {FUNCTIONS[name]}: {sorted(set(renamed.values()) - words)}"
+
+
+def test_every_function_of_a_command_is_compared():
+    """But for batch, whose options are those of fit, and commands whose results are methods without options."""
+    commands = set(re.findall(r"^  ([a-z][a-z-]+(?: [a-z][a-z0-9]*)?)  ", command_line.run("--help"), flags=re.M))
+    others = {"analyse", "batch", "convert", "evaluate", "cluster-script", "completion", "describe", "help", "man", "merge"}
+    assert commands - others == set(FUNCTIONS)
