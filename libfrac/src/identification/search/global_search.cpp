@@ -163,7 +163,8 @@ class Search {
     LocalSolution local = scout.local;
     if (!only_start_) {
       local = local_solve(residuals_, local.theta, finishing_options());
-      if (local.cost < result_.best.cost && !is_hopeless()) local = local_solve(residuals_, local.theta, {});
+      if (local.cost < result_.best.cost && !(is_hopeless() && local.converged))
+        local = local_solve(residuals_, local.theta, {});
     }
     scout.end = local.cost;
     scout.state = Scout::finished;
