@@ -276,7 +276,7 @@ TEST(Verdict, WhatPredictsWorseIsNotSupportedEvenWhereItAloneFollows) {
                                       .departure = {.evidence = 139.6, .parameters = 25},
                                       .only_integer_grew = false,
                                       .rounded = false,
-                                      .hidden = 0};
+                                      .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
     result.evidence = result.departure_evidence = 139.6;
@@ -302,7 +302,7 @@ TEST(Verdict, WhatPredictsWorseRefutesNothingEvenWhereItAloneFollows) {
                                       .departure = {.evidence = -181.3, .parameters = 6},
                                       .only_integer_grew = false,
                                       .rounded = false,
-                                      .hidden = 0};
+                                      .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
     result.evidence = result.departure_evidence = -181.3;

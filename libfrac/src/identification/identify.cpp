@@ -46,7 +46,6 @@ struct Outcome {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
-  double unpaid = 0;
   /// Whether it stands for an unstable member of its family, which follows the data closer and takes its part in the
   /// verdict: that is about orders, whatever is assumed of poles.
   bool stands_in = false;
@@ -132,7 +131,6 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
   outcome.approximates = members.approximates;
-  outcome.unpaid = members.unpaid;
   outcome.stands_in = members.stands_in;
   outcome.passive = members.passive;
 }
@@ -309,7 +307,7 @@ FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedMode
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
     (outcome.passive ? candidates.passive : candidates.competitors)
         .push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates,
-                    outcome.unpaid, outcome.stands_in, outcome.passive});
+                    outcome.stands_in, outcome.passive});
   }
   return candidates;
 }

@@ -267,12 +267,6 @@ FamilyMembers family_members(const TimeResponseData& data, const NamedModel& mod
   members.chosen = ladder.chosen;
   members.models[members.chosen].ends_its_family = ladder.best().ratio.poles() == most_over_time;
   members.relaxations = ladder.best().ratio.relaxations();
-  if (!ladder.best().exact) {
-    for (std::size_t i = ladder.chosen + 1; i < ladder.fits.size(); ++i) {
-      const double times = ladder.best().cost / ladder.fits[i].cost;
-      members.unpaid = std::max(members.unpaid, static_cast<double>(points(data)) * std::log(times));
-    }
-  }
   return members;
 }
 

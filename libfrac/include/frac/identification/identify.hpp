@@ -110,11 +110,10 @@ struct DistributionRival {
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
 /// them.
 ///
-/// supported      evidence above 10, over time also against those ratios whose poles did not pay for themselves, with
-///                these for nothing; cross-validation not worse by more than a twentieth and extrapolation not by more
-///                than a quarter, an order whose interval (widened by the correlation) excludes every whole number
-///                while not every order lies within 0.02 of one, and no integer-order candidate that could not be
-///                fitted.
+/// supported      evidence above 10 (over time above 20), cross-validation not
+///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
+///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
+///                one, and no integer-order candidate that could not be fitted.
 /// fractional or
 /// distribution   the same, but distributed relaxation times (DistributionRival) follow the data as well or better:
 ///                evidence against them is not above 10.

@@ -19,9 +19,6 @@ struct FamilyMembers {
   /// By how much the best member with an order that departs from whole numbers lies above the chosen one, in the
   /// measure of schwarz(); infinite without such a member.
   double departed = std::numeric_limits<double>::infinity();
-  /// By how much the misfit n ln(cost/n) falls from the chosen member to the best of those that did not pay for their
-  /// parameters.  Told over time alone, where a record spans too few decades for evidence to outweigh such a price.
-  double unpaid = 0;
   bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
   /// Whether the chosen one, of more than few_relaxations, follows data to 1e-4 or closer and came there as an

@@ -17,7 +17,6 @@ struct Competitor {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
-  double unpaid = 0;
   bool stands_in = false;  // for an unstable member of its family, which takes part in the verdict
   bool passive = false;    // a sum of passive elements, which takes no part in it
 

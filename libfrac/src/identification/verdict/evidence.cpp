@@ -89,16 +89,4 @@ Departure evidence_of_departure(const std::vector<Competitor>& competitors, cons
   return most;
 }
 
-double hidden_by_price(const std::vector<Competitor>& competitors, const Competitor& fractional,
-                       const Competitor& integer, double share) {
-  double hidden = 0;
-  const double evidence = evidence_for(fractional, integer, share);
-  for (const Competitor& each : competitors) {
-    if (each.is_fractional() || !(each.unpaid > 0)) continue;
-    const double left = evidence_for(fractional, each, share) - share * each.unpaid;
-    if (left < evidence - hidden) hidden = evidence - left;
-  }
-  return hidden;
-}
-
 }  // namespace frac::detail

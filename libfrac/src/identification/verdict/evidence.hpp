@@ -32,9 +32,4 @@ struct Departure {
 [[nodiscard]] Departure evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer,
                                               double share);
 
-/// By how much evidence of the fractional finalist would fall if the members that did not pay for themselves, of
-/// families of integer order, had their parameters beyond those of the chosen one for nothing.
-[[nodiscard]] double hidden_by_price(const std::vector<Competitor>& competitors, const Competitor& fractional,
-                                     const Competitor& integer, double share);
-
 }  // namespace frac::detail

@@ -146,7 +146,7 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
           .rounded = rounded,
-          .hidden = hidden_by_price(competitors, f, i, share)};
+          .over_time = !is_response<Data>};
 }
 
 template <class Data>
