@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <complex>
@@ -14,6 +15,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -24,6 +26,7 @@
 #include "io/frequency_response_file.hpp"
 #include "io/immittance.hpp"
 #include "io/number.hpp"
+#include "io/zip_archive.hpp"
 #include "temporary_folder.hpp"
 
 namespace {
@@ -500,7 +503,7 @@ TEST_F(MeasurementTest, ARowThatTheFileEndsWithinIsLeftOut) {
 }
 
 TEST_F(MeasurementTest, BinaryFilesOfOtherProgramsAreNamedSo) {
-  std::string archive = "PK\x03\x04";
+  std::string archive = "RK\x03\x04";
   for (int i = 0; i < 200; ++i) archive += static_cast<char>(i * 37 % 256);
   refuses(archive, "is no text, and no binary file of a known kind");
 }
@@ -678,6 +681,80 @@ TEST(MeasurementExamples, AreReadRightWithoutAnOption) {
     }
   }
   EXPECT_EQ(met.size(), 9U);
+}
+
+// Parts of a workbook by ECMA-376, written by hand: a sheet without cells, and one with shared texts (one in two
+// fonts), a text in the cell, the value of a formula, a row and a column left out, and a namespace with a prefix.
+std::string workbook(const std::string& rows, const std::string& prefix = "") {
+  const std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  const auto tag = [&](const std::string& text) {
+    return prefix.empty() ? text : std::regex_replace(text, std::regex("<(/?)([a-z])"), "<$1" + prefix + ":$2");
+  };
+  const std::string relation = "<Relationship Id=\"rId";
+  return io::zip_archive(
+      {{"[Content_Types].xml", xml + "<Types/>"},
+       {"xl/workbook.xml",
+        xml + "<workbook xmlns:r=\"http://r\"><sheets><sheet name=\"Cover\" sheetId=\"1\" r:id=\"rId1\"/>"
+              "<sheet name=\"EIS 25 C\" sheetId=\"2\" r:id=\"rId2\"/></sheets></workbook>"},
+       {"xl/_rels/workbook.xml.rels", xml + "<Relationships>" + relation + "1\" Target=\"worksheets/sheet1.xml\"/>" +
+                                          relation + "2\" Target=\"/xl/worksheets/sheet2.xml\"/></Relationships>"},
+       {"xl/sharedStrings.xml", xml + tag("<sst><si><t>Zreal/ohm</t></si><si><r><t>Zimag</t></r><r><t>/ohm</t></r><rPh>"
+                                          "<t>x</t></rPh></si></sst>")},
+       {"xl/worksheets/sheet1.xml", xml + tag("<worksheet><sheetData/></worksheet>")},
+       {"xl/worksheets/sheet2.xml", xml + tag("<worksheet><sheetData>" + rows + "</sheetData></worksheet>")}});
+}
+const std::string cells =
+    "<row r=\"1\"><c r=\"A1\" t=\"inlineStr\"><is><t>cell 7, aged</t></is></c></row>"
+    "<row r=\"3\"><c r=\"A3\" t=\"str\"><f>B9</f><v>Freq/Hz</v></c><c r=\"C3\" t=\"s\"><v>0</v></c>"
+    "<c r=\"D3\" t=\"s\"><v>1</v></c></row>"
+    "<row r=\"4\"><c r=\"A4\"><v>1000</v></c><c r=\"C4\"><v>10.5</v></c><c r=\"D4\"><v>-2.25</v></c></row>"
+    "<row r=\"5\"><c r=\"A5\"><v>100</v></c><c r=\"C5\"><f>2*10</f><v>20</v></c><c r=\"D5\"><v>-4E0</v></c></row>";
+
+TEST_F(MeasurementTest, WorkbooksAreReadByTheirFirstSheetWithCells) {
+  for (const std::string prefix : {"", "x"}) {
+    const auto file = read(workbook(cells, prefix));
+    ASSERT_EQ(file.data.size(), 2U);
+    EXPECT_NEAR(file.data.omega()[0], turn * 100, 1e-13 * turn);
+    EXPECT_EQ(file.data.value()[0], 20.0 - 4.0i);
+    EXPECT_EQ(file.data.value()[1], 10.5 - 2.25i);
+    EXPECT_EQ(file.value_unit, "ohm");
+    EXPECT_NE(std::find(file.notes.begin(), file.notes.end(),
+                        "text is the sheet EIS 25 C, the first with cells of 2 in a workbook"),
+              file.notes.end());
+  }
+  const std::string whole = workbook(cells);
+  refuses(workbook(""), "is a workbook (.xlsx) that is damaged or has no cells");
+  refuses(whole.substr(0, whole.size() - 30), "is a workbook (.xlsx) that is damaged");
+  refuses(workbook("<row><c r=\"A1\" t=\"s\"><v>2</v></c></row>"), "damaged");
+  refuses(io::zip_archive({{"a.csv", "f_Hz,re,im\n1,2,3\n"}}), "is an archive (zip) and no workbook");
+  // Whatever byte is cut or changed, a damaged workbook is refused with a sentence, or gives the values that it has.
+  for (std::size_t i = 0; i < whole.size(); i += 7) {
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x15);
+    try {
+      const auto file = read(changed);
+      for (const auto value : file.data.value()) EXPECT_TRUE(std::isfinite(std::abs(value)));
+    } catch (const io::DataError&) {
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+TEST_F(MeasurementTest, BinaryFilesOfOtherProgramsSayHowToExport) {
+  using namespace std::string_literals;
+  const std::string zeros(300, '\0');
+  std::string session;
+  for (const char c : std::string("{\"Type\":\"PalmSens.DataFiles.SessionFile\",\"Measurements\":[]}"))
+    session += {c, '\0'};
+  for (const auto& [content, sentence] :
+       {std::pair{"BIO-LOGIC MODULAR FILE\x1A" + zeros, "Export as Text writes .mpt"s},
+        {zeros.substr(0, 16) + "\xFB\0\0\0\r\0Version=11"s + zeros, "(.idf)"s},
+        {session, "(.pssession)"s},
+        {"\xFF\xFE" + session, "(.pssession)"s},
+        {"TDSm" + zeros, "TDMS"s},
+        {"\x89HDF\r\n\x1A\n" + zeros, "is an HDF5 file"s},
+        {"\xD0\xCF\x11\xE0" + zeros, "(.xls)"s}})
+    refuses(content, sentence);
 }
 
 // Of each pair the second is the unit of the inverse by the rules of units.

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "io/workbook.hpp"
+
 namespace io {
 namespace {
 
@@ -109,6 +111,15 @@ DecodedText made(std::string text, std::string note) {
 
 DecodedText decoded(std::shared_ptr<const std::string> bytes) {
   const std::string_view view = *bytes;
+  if (auto sheet = first_sheet(view)) {
+    DecodedText result =
+        made(std::move(sheet->text),
+             "the sheet " + sheet->name +
+                 (sheet->sheets == 1 ? "" : ", the first with cells of " + std::to_string(sheet->sheets)) +
+                 " in a workbook");
+    result.is_of_workbook = true;
+    return result;
+  }
   if (view.starts_with("\xFF\xFE")) return made(from_utf16(view.substr(2), false), "UTF-16");
   if (view.starts_with("\xFE\xFF")) return made(from_utf16(view.substr(2), true), "UTF-16");
   const Utf16 kind = utf16_without_mark(view);

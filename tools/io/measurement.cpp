@@ -43,6 +43,38 @@ bool is_binary(std::string_view text) {
                        [](unsigned char c) { return std::iscntrl(c) != 0 && std::isspace(c) == 0; }) > stray;
 }
 
+// What a file is that no reader here knows, and how its program writes what one does; empty for others.
+std::string foreign_format(std::string_view bytes) {
+  const std::string_view head = bytes.substr(0, 200);
+  const auto has = [](std::string_view text, std::string_view part) {
+    return text.find(part) != std::string_view::npos;
+  };
+  if (bytes.starts_with("BIO-LOGIC MODULAR FILE"))
+    return "is EC-Lab's binary format (.mpr); expected its text: in EC-Lab, Experiment, Export as Text writes .mpt";
+  if (has(head, "Version=11") && has(head, std::string_view("\0", 1)))
+    return "is IviumSoft's binary format (.idf); expected its text: in IviumSoft, File, Data processing, Save as "
+           "writes "
+           "a table";
+  // JSON of PSTrace, as text or in UTF-16.
+  if (has(head, "PalmSens") || has(head, std::string_view("P\0a\0l\0m\0S\0e\0n\0s\0", 16)))
+    return "is a session of PSTrace (.pssession); expected a table: in PSTrace, Data, Export data to CSV";
+  if (bytes.starts_with("TDSm"))
+    return "is National Instruments' TDMS; expected a table: Excel's TDM add-in or LabVIEW's Write To Measurement File "
+           "write one";
+  if (bytes.starts_with("\x89HDF\r\n\x1A\n"))
+    return "is an HDF5 file; expected a table, or a MAT-file, as MATLAB and Octave save it with -v7";
+  if (bytes.starts_with("\xD0\xCF\x11\xE0"))
+    return "is a workbook of the old kind (.xls) or another file of Office; expected .xlsx, or a sheet saved as CSV";
+  if (bytes.starts_with("PK\x03\x04")) {
+    if (has(bytes, "xl/workbook.xml"))
+      return "is a workbook (.xlsx) that is damaged or has no cells, or this fracfit was built without libzip; "
+             "expected "
+             "a sheet saved as CSV";
+    return "is an archive (zip) and no workbook of Excel; expected the file within, or a sheet saved as CSV";
+  }
+  return "";
+}
+
 /// Of a table that holds several quantities one remains: that which --select names or the first; all columns where
 /// --columns tells them.  Sweeps of such a table are told by a column, and --select chooses one of these.
 void settle_columns(Recognised& found, Measurement& measurement) {
@@ -98,6 +130,8 @@ Measurement read_measurement(const std::string& file, const MeasurementOptions& 
   measurement.fingerprint = Fingerprint(*bytes).text();
   measurement.how = how;
   if (!text.note.empty() && text.note != "Latin-1") measurement.notes.push_back("text is " + text.note);
+  if (!text.is_of_workbook)
+    if (const std::string what = foreign_format(*bytes); !what.empty()) throw DataError(measurement.file, 0, 0, what);
   auto found = recognised({measurement.file, *bytes, text.text, how.frequency_unit}, how);
   if (!found) {
     if (is_binary(*text.text))
