@@ -127,17 +127,17 @@ class Point {
   [[nodiscard]] DescribingFunctionPoint quiet() const {
     DescribingFunctionPoint point = free_point(bodies_.hard(), force_.omega, options_.output);
     if (options_.output == Output::x1 || flow_.friction(1) == 0) return point;
-    point.value = mean_of_last(quiet_window);
+    point.value = mean_of_last(quiet_window).value;
     for (std::size_t i = 0; i < quiet_window; ++i)
       point.uncertainty = std::max(point.uncertainty, std::abs(back(i).phasor - point.value));
     point.energy_defect = std::numeric_limits<double>::quiet_NaN();
     return point;
   }
 
-  [[nodiscard]] Complex mean_of_last(std::size_t periods, std::size_t before = 0) const {
-    Complex sum = 0;
-    for (std::size_t i = 0; i < periods; ++i) sum += back(before + i).phasor;
-    return sum / static_cast<double>(periods);
+  [[nodiscard]] PeriodMean mean_of_last(std::size_t periods) const {
+    std::vector<Complex> phasors;
+    for (std::size_t i = 0; i < periods; ++i) phasors.push_back(back(i).phasor);
+    return mean_of_periods(phasors);
   }
 
   [[nodiscard]] Reached reached(const CompliantOrbit& orbit) const {
@@ -176,17 +176,11 @@ class Point {
     const std::size_t length = std::max(peaks_.size() > transient ? peaks_.size() - transient : 0,
                                         std::min<std::size_t>(peaks_.size() / 2, transient));
     if (length < 16) return point;
-    point.value = mean_of_last(length);
     point.impacts_per_period =
         static_cast<double>(back(0).contacts - back(length).contacts) / static_cast<double>(length);
-    double half_width = 0;
-    for (const std::size_t batches : {std::size_t{16}, std::size_t{8}}) {
-      std::vector<Complex> deviations;
-      const std::size_t each = length / batches;
-      for (std::size_t i = 0; i < batches; ++i) deviations.push_back(mean_of_last(each, i * each) - point.value);
-      half_width = std::max(half_width, half_width_of_mean(deviations));
-    }
-    point.uncertainty = half_width + flow_.error() * std::abs(point.value);
+    const PeriodMean found = mean_of_last(length);
+    point.value = found.value;
+    point.uncertainty = found.half_width + flow_.error() * std::abs(point.value);
     return point;
   }
 

@@ -7,6 +7,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace backlash::detail {
 namespace {
@@ -75,6 +76,22 @@ double half_width_of_mean(std::span<const std::complex<double>> deviations) {
   const double degrees = 2 / (1 + std::min(1.0, ratio));
   const double quantile = size.line_quantile + (degrees - 1) * (size.plane_quantile - size.line_quantile);
   return std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
+}
+
+PeriodMean mean_of_periods(std::span<const std::complex<double>> periods) {
+  const auto mean_of = [](std::span<const std::complex<double>> of) {
+    return std::accumulate(of.begin(), of.end(), std::complex<double>()) / static_cast<double>(of.size());
+  };
+  PeriodMean mean{mean_of(periods), 0};
+  for (const BatchSize& size : batch_sizes) {
+    const std::size_t batches = static_cast<std::size_t>(size.batches), length = periods.size() / batches;
+    if (length == 0) continue;
+    std::vector<std::complex<double>> deviations;
+    for (std::size_t i = 0; i < batches; ++i)
+      deviations.push_back(mean_of(periods.subspan(i * length, length)) - mean.value);
+    mean.half_width = std::max(mean.half_width, half_width_of_mean(deviations));
+  }
+  return mean;
 }
 
 SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& motion) {

@@ -60,6 +60,14 @@ inline constexpr std::int64_t enough_impacts = 512;
 /// 95 % half width of a mean from the deviations of its 8 or 16 batches.
 [[nodiscard]] double half_width_of_mean(std::span<const std::complex<double>> deviations);
 
+/// The mean of neighbouring periods with its 95 % half width, the wider of two batch sizes as in averaged().
+struct PeriodMean {
+  std::complex<double> value;
+  double half_width;
+};
+/// @param periods  at least 8, in either order of time
+[[nodiscard]] PeriodMean mean_of_periods(std::span<const std::complex<double>> periods);
+
 /// Long-time mean with the 95 % half width of batch means; the wider of two batch sizes, since short batches of a
 /// slowly varying motion are correlated and give too narrow a width.  `end` is left at its default.
 [[nodiscard]] SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& motion);

@@ -215,17 +215,13 @@ class Follower {
     point.transient_possible = true;
     const std::size_t length = std::max(window_size(), std::min<std::size_t>(peaks_.size() / 2, transient));
     if (length < 16) return point;
-    point.value = mean_of_last(length);
     const Peak& begin = back(length);
     point.impacts_per_period = static_cast<double>(back(0).impacts - begin.impacts) / static_cast<double>(length);
-    double half_width = 0;
-    for (const std::size_t batches : {std::size_t{16}, std::size_t{8}}) {
-      std::vector<Complex> deviations;
-      const std::size_t each = length / batches;
-      for (std::size_t i = 0; i < batches; ++i) deviations.push_back(mean_of_last(each, i * each) - point.value);
-      half_width = std::max(half_width, half_width_of_mean(deviations));
-    }
-    point.uncertainty = half_width + loop_.error() * std::abs(point.value);
+    std::vector<Complex> phasors;
+    for (std::size_t i = 0; i < length; ++i) phasors.push_back(back(i).phasor);
+    const PeriodMean found = mean_of_periods(phasors);
+    point.value = found.value;
+    point.uncertainty = found.half_width + loop_.error() * std::abs(point.value);
     return point;
   }
 

@@ -14,11 +14,11 @@ namespace {
 
 using Kind = Term::Kind;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// So many sums get the next element: the best one may have an element where another one belongs.
+// Number of sums that get the next element: the best one may have an element where another one belongs.
 constexpr std::size_t kept = 2;
-constexpr double not_told = 2;  // differences of the value, as of AICc in identify()
+constexpr double indistinguishable = 2;  // differences of the value, as of AICc in identify()
 
-// So many ways to add an element get a search of their own, those that lower the cost most before it.
+// Number of ways to add an element that get a search of their own, those that lower the cost most before it.
 constexpr std::size_t searched = 8;
 
 /// Elements of one kind along orders or places.
@@ -54,7 +54,7 @@ Line modes(const TermProblem& problem, Kind kind, double order, double log_dampi
   return line;
 }
 
-/// What a passive response may be made of, each line a kind.
+/// Elements of which a passive response may consist, each line a kind.
 std::vector<Line> catalogue(const TermProblem& problem, PassiveResponse response) {
   std::vector<Line> lines;
   const auto powers = [&](std::initializer_list<double> orders) {
@@ -101,7 +101,7 @@ class ElementGrowth {
   [[nodiscard]] double value(const TermFit& fit) const { return element_value(problem_, response_, fit); }
 
   /// The least cost with positive gains near a sum.  At that cost the gains that are not 0 are those of free signs, so
-  /// that an element whose gain has become negative is taken out and the rest searched again.
+  /// that an element whose gain has become negative is taken out and the others searched again.
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const {
     while (true) {
       TermFit fit = problem_.refine(std::move(sum), effort);
@@ -129,7 +129,7 @@ class ElementGrowth {
 
   /// The fit with elements left out or made simpler as long as that pays.
   [[nodiscard]] TermFit simplified(TermFit best) const { return moved(std::move(best), simpler_than); }
-  /// The same with elements exchanged for others at the same place.
+  /// The fit with elements exchanged for others at the same place.
   [[nodiscard]] TermFit exchanged(TermFit best) const { return simplified(moved(std::move(best), exchanged_in)); }
 
   /// The fit with a resistor and a capacitor in the place of diffusion that the data do not tell from them.  Beyond the
@@ -140,7 +140,8 @@ class ElementGrowth {
       if (element.kind == Kind::power || element.kind == Kind::arc || element.kind == Kind::rise || element.is_mode())
         continue;
       TermFit tried = refine(with_at(best.sum, k, {Kind::arc, 1, true, element.log_size}), thorough);
-      if (tried.sum.size() == best.sum.size() && value(tried) < value(best) + not_told) best = std::move(tried);
+      if (tried.sum.size() == best.sum.size() && value(tried) < value(best) + indistinguishable)
+        best = std::move(tried);
     }
     return best;
   }
@@ -174,7 +175,7 @@ class ElementGrowth {
       if (sum.size() > 1) moves.push_back(without_term(sum, k));
       const Term& element = sum[k];
       if (element.kind != Kind::power && !element.is_mode()) {
-        // What lies beyond the band is a resistor, and on the other side an inductor, a capacitor or diffusion.
+        // An element beyond the band is a resistor, and on the other side an inductor, a capacitor or diffusion.
         const auto limits = element.kind == Kind::rise ? std::vector{0.0, 1.0} : std::vector{0.0, -1.0, -0.5};
         for (const double order : limits) {
           if (!contains(sum, whole_power(order))) moves.push_back(with_at(sum, k, whole_power(order)));
@@ -277,16 +278,16 @@ ElementLadder grow_elements(const TermProblem& problem, std::size_t most_element
     for (const TermFit& fit : best) sums.push_back(fit.sum);
     const double gain =
         ladder.fits.empty() ? infinity : growth.value(ladder.fits[ladder.chosen]) - growth.value(best.front());
-    // What came back to the sum before stands in its place.
+    // A sum that came back to the one before stands in its place.
     if (!ladder.fits.empty() && alike(best.front(), ladder.fits.back())) ladder.fits.pop_back();
     ladder.fits.push_back(best.front());
     if (gain > 0 || ladder.chosen >= ladder.fits.size()) ladder.chosen = ladder.fits.size() - 1;
-    in_vain = gain > not_told ? 0 : in_vain + 1;
+    in_vain = gain > indistinguishable ? 0 : in_vain + 1;
     if (ladder.fits.back().cost <= problem.negligible_cost()) break;
     if (in_vain < 2) continue;
     // Another kind in the place of one that was taken too early may pay where a further element does not.
     TermFit other = growth.exchanged(ladder.fits[ladder.chosen]);
-    if (!(growth.value(other) < growth.value(ladder.fits[ladder.chosen]) - not_told)) break;
+    if (!(growth.value(other) < growth.value(ladder.fits[ladder.chosen]) - indistinguishable)) break;
     sums = {other.sum};
     ladder.fits.push_back(std::move(other));
     ladder.chosen = ladder.fits.size() - 1;
@@ -295,7 +296,7 @@ ElementLadder grow_elements(const TermProblem& problem, std::size_t most_element
   if (ladder.fits.empty()) return ladder;
   TermFit& chosen = ladder.fits[ladder.chosen];
   chosen = growth.plain(std::move(chosen));
-  // What was grown beyond the chosen one and came to no more, or back to it, is not listed.
+  // Sums that were grown beyond the chosen one and came to no more, or back to it, are not listed.
   const auto last = ladder.fits.begin() + static_cast<std::ptrdiff_t>(ladder.chosen) + 1;
   ladder.fits.erase(
       std::remove_if(last, ladder.fits.end(), [&](const TermFit& fit) { return fit.parameters <= chosen.parameters; }),

@@ -52,7 +52,7 @@ bool approximates(const RationalProblem& problem, const RationalLadder& ladder) 
   return false;
 }
 
-/// What a family came to with poles in one region.
+/// The members of a family with poles in one region.
 struct Grown {
   FamilyMembers members;
   RationalFit chosen;

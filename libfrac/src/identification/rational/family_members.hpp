@@ -12,12 +12,12 @@
 
 namespace frac::detail {
 
-/// What a family came to on given data, simplest member first, as formulas with start values.
+/// The members of a family on given data, simplest member first, as formulas with start values.
 struct FamilyMembers {
   std::vector<NamedModel> models;
   std::size_t chosen = 0;  // by BIC and the price of the search
-  /// By how much the best member with an order that departs from whole numbers lies above the chosen one, in the
-  /// measure of schwarz(); infinite without such a member.
+  /// The amount by which the best member with an order that departs from whole numbers lies above the chosen one, in
+  /// the measure of schwarz(); infinite without such a member.
   double departed = std::numeric_limits<double>::infinity();
   bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
@@ -47,7 +47,7 @@ class RatioGrowths;  // see rational_growth.hpp
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
                                            const FitOptions& options);
 
-/// What the best ratio of the default family gives at the frequencies of the data; empty where there is none.
+/// Response of the best ratio of the default family at the frequencies of the data; empty where there is none.
 /// @param ratios  nothing, or what has grown of the same data and options
 [[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
                                                                const FitOptions& options, RatioGrowths& ratios);

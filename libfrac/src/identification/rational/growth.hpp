@@ -8,7 +8,7 @@
 
 #include "projection.hpp"
 
-// What the growths of all families have in common, whatever they grow and over whichever data.
+// Parts that the growths of all families have in common, whatever they grow and over whichever data.
 namespace frac::detail {
 
 /// Members of a growing family, simplest first.

@@ -38,7 +38,7 @@ struct NormalEquations {
 
   /// The step between the bounds, which enclose 0, that lowers the linearised cost most.
   [[nodiscard]] Eigen::VectorXd step(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) const;
-  /// By which a step lowers the linearised cost.
+  /// The amount by which a step lowers the linearised cost.
   [[nodiscard]] double gain(const Eigen::VectorXd& step) const;
 };
 
@@ -78,7 +78,7 @@ class ProjectedData {
     Eigen::MatrixXd matrix;  // over their lengths; zeros where the fitted part is blind to a column
     Eigen::VectorXd length;
   };
-  /// What the best coefficients of given columns leave.
+  /// The residual that the best coefficients of given columns leave.
   struct Projection {
     PivotedQr decomposition;      // of the columns over their lengths
     Eigen::VectorXd length;       // of the columns
@@ -86,9 +86,9 @@ class ProjectedData {
     Eigen::VectorXd residual;
     double cost;
   };
-  /// None where a number overflows or no column is seen.
+  /// Nothing where a number overflows or no column is seen.
   [[nodiscard]] std::optional<Projection> project(const Eigen::MatrixXcd& columns) const;
-  /// None where a number overflows.
+  /// Nothing where a number overflows.
   [[nodiscard]] std::optional<Weighted> weighted(const Eigen::MatrixXcd& columns) const;
 
   /// The best coefficients of given columns.
@@ -101,7 +101,7 @@ class ProjectedData {
   };
   /// False where a number overflows.
   bool complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const;
-  /// Both at once; false where a number overflows or no column is seen.
+  /// Projects and completes at once; false where a number overflows or no column is seen.
   bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
   /// Cost with further columns beside those of a solution; infinite where a number overflows.
   [[nodiscard]] double cost_with(const Linear& linear, const Eigen::MatrixXcd& further) const;
@@ -113,7 +113,7 @@ class ProjectedData {
   [[nodiscard]] std::vector<double> sizes(const Linear& linear) const;
 
  private:
-  /// Of the weighted part that is not fitted where one is.
+  /// Length of the weighted part that is not fitted where one is.
   [[nodiscard]] double unseen_length(const Eigen::VectorXcd& values) const;
 
   ResidualForm form_;
@@ -133,9 +133,9 @@ class ProjectedData {
 /// When a search for the least cost ends.
 struct Effort {
   int iterations;
-  double settled;  // gains below this share of the cost are none
+  double settled;  // gains below this fraction of the cost are none
 };
-/// Of a fit that is to show whether a place is worth more, and of one that is to end.
+/// Effort of a fit that is to show whether a place is worth more, and of one that is to converge.
 inline constexpr Effort scouting{12, 1e-5}, thorough{60, 1e-6};
 
 /// Appends to `starts` each finite local minimum of the cost among fits along a line of places.
@@ -150,14 +150,14 @@ void add_local_minima(std::vector<Fit> along, std::vector<Fit>& starts) {
 
 /// How far beyond the band poles and arcs are looked for: half a decade, in e-folds.
 inline constexpr double search_margin = 1.2;
-/// What the search for the place of a pole or an arc costs beside schwarz(), whose k ln n knows of one place only: 2 ln
-/// of the number of places that the data tell apart, the e-folds of the band and its margins.
+/// The price of the search for the place of a pole or an arc beside schwarz(), whose k ln n knows of one place only: 2
+/// ln of the number of places that the data tell apart, the e-folds of the band and its margins.
 [[nodiscard]] double price_of_place(const ProjectedData& data);
 
 /// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
-/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there.
-/// Ceres is not used here: setting up one of its problems takes longer than one of these solves, of which a growth
-/// makes hundreds.
+/// the steps: what the data hardly see goes no further than its edge and does not keep the other parameters from going
+/// there. Ceres is not used here: setting up one of its problems takes longer than one of these solves, of which a
+/// growth makes hundreds.
 /// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column for
 ///                 each of what reach(shape) has, and stepped(shape, step)
 /// @return whether the start has a finite cost

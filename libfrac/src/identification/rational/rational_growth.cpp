@@ -329,8 +329,8 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
                              const RationalKind& kind, RatioGrowths& ratios) {
   RationalLadder ladder = grown_ladder(problem, fewest_poles, most_poles, kind, 0, ratios);
   if (ladder.fits.empty()) return ladder;
-  // What ended with one zero more than poles was grown without it: a resonance beside such a rise, say, is not seen.
-  // With a free order members need no zero to rise.
+  // A ladder that ended with one zero more than poles was grown without it: a resonance beside such a rise, say, is not
+  // seen. With a free order members need no zero to rise.
   const RationalShape& ended = ladder.fits[ladder.chosen].shape;
   if (kind.free_order || ended.degree <= ended.poles()) return ladder;
   RationalLadder steeper = grown_ladder(problem, fewest_poles, most_poles, kind, 1, ratios);

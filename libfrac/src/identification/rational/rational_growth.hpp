@@ -20,7 +20,7 @@ namespace frac::detail {
 /// their noise, so its places are the points.
 [[nodiscard]] double price_of_search(const RationalProblem& problem, const RationalShape& shape);
 
-/// What the members of a growth have in common.
+/// Properties that the members of a growth have in common.
 struct RationalKind {
   bool delayed = false;
   bool free_order = false;  // rational in s^order instead of s
@@ -67,9 +67,9 @@ class RatioGrowths {
  public:
   /// @param problem  the same in each call, or an equal one
   [[nodiscard]] RationalFit member(const RationalProblem& problem, bool delayed, std::size_t poles);
-  /// The same without zeros.
+  /// The member without zeros.
   [[nodiscard]] RationalFit without_zeros(const RationalProblem& problem, bool delayed, std::size_t poles);
-  /// Of the default family.
+  /// The ladder of the default family.
   [[nodiscard]] const RationalLadder& ladder(const RationalProblem& problem);
   /// Those of stable poles, of the same data.
   [[nodiscard]] RatioGrowths& stable();
@@ -102,7 +102,7 @@ class RatioGrowths {
 [[nodiscard]] RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles,
                                            std::size_t most_poles, const RationalKind& kind, RatioGrowths& ratios);
 
-/// That many zeros and poles.
+/// The best fit of that many zeros and poles.
 [[nodiscard]] RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles,
                                        const RationalKind& kind);
 

@@ -22,7 +22,7 @@ std::string power_of_s(std::size_t power, bool free_order) {
   return power == 1 ? " s^a" : " s^(" + std::to_string(power) + " a)";
 }
 
-/// The denominator split off whole powers: numerator = quotient * denominator + rest, by rising powers.
+/// The denominator split off whole powers: numerator = quotient * denominator + remainder, by rising powers.
 std::pair<std::vector<double>, std::vector<double>> divided(std::vector<double> numerator,
                                                             const std::vector<double>& denominator) {
   const std::size_t order = denominator.size() - 1;
@@ -128,9 +128,9 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
   if (blind_to_constant) {
     // The imaginary part tells the fraction only up to a constant, which therefore stands apart.
     numerator.insert(numerator.begin(), low, 0.0);
-    const auto [quotient, rest] = divided(numerator, expanded);
+    const auto [quotient, remainder] = divided(numerator, expanded);
     formula = writer.polynomial("h", 0, quotient) + " + ";
-    numerator = rest;
+    numerator = remainder;
     low = 0;
   }
   const std::string top = writer.polynomial("b", low, numerator);

@@ -23,7 +23,7 @@ struct PoleFactor {
 };
 
 /// exp(-L s) (c_low z^low + ... + c_degree z^degree)/(z^integrators * factors), z = s^order, without its coefficients
-/// c, which follow from linear least squares wherever the rest is known.
+/// c, which follow from linear least squares wherever the other parameters are known.
 struct RationalShape {
   std::vector<PoleFactor> factors;
   std::size_t integrators = 0;
@@ -53,7 +53,7 @@ struct RationalFit {
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
 };
 
-/// Where poles in z may lie.
+/// The region where poles in z may lie.
 enum class Poles {
   anywhere,
   left_half_plane,  // of z, which is stable for orders up to 1 and leaves some stable ones out below
@@ -61,8 +61,8 @@ enum class Poles {
   stable,
 };
 
-/// What a pair keeps from the edge of the stable sector, as sinh(damping): at 1e-8 of its frequency the edge is met to
-/// the rounding of any data, so that a free pair is on it, and a held one strictly inside.
+/// The distance that a pair keeps from the edge of the stable sector, as sinh(damping): at 1e-8 of its frequency the
+/// edge is met to the rounding of any data, so that a free pair is on it, and a held one strictly inside.
 inline constexpr double at_the_edge = 1e-8;
 /// sinh(damping) of a pair of poles on the imaginary axis: z^2 + 2 sinh(damping) z + 1 has roots of the argument order
 /// pi/2 there.

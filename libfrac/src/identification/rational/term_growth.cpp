@@ -12,7 +12,7 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// So many sums get the next term: the best one may have a term where another one belongs.
+// Number of sums that get the next term: the best one may have a term where another one belongs.
 constexpr std::size_t kept = 2;
 // Rows of modes are ratios.
 constexpr std::ptrdiff_t most_modes = 2;

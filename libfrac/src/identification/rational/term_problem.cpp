@@ -116,7 +116,7 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
   }
 }
 
-/// That the residuals can tell apart.
+/// Parameters that the residuals can tell apart.
 /// @param rank  of the columns
 std::size_t parameters(const TermSum& sum, Index rank) {
   std::size_t count = static_cast<std::size_t>(rank);

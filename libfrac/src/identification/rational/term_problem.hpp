@@ -18,7 +18,7 @@ struct Term {
     power,            // s^order
     arc,              // 1/(1 + x^order)
     mode,             // x^order/(1 + 2 z x + x^2), z = exp(log_damping), a held order of 0 or 1
-    rise,             // x^order/(1 + x^order): the rest of an arc
+    rise,             // x^order/(1 + x^order): 1 less an arc
     gerischer,        // 1/sqrt(1 + x), like all below with a held order
     layer_short,      // tanh(sqrt(x))/sqrt(x)
     layer_open,       // coth(sqrt(x))/sqrt(x)
@@ -68,7 +68,7 @@ class TermProblem : public ProjectedData {
 
   /// The sum with each of the terms, at its cost as it is; parameters are not counted.
   [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
-  /// The same where only terms whose coefficient is positive count; the cost with any other is infinite.
+  /// along() where only terms whose coefficient is positive count; the cost with any other is infinite.
   [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const std::vector<Term>& terms) const;
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
   /// Appends the `count` starts of least cost, each refined a little.
