@@ -401,7 +401,7 @@ TEST(ColumnSubsets, AreTheBestOfAll) {
         if ((mask >> k & 1) != 0) members.push_back(k);
       }
       if (members.size() > most) continue;
-      const MatrixXd chosen = columns(Eigen::all, members);
+      const MatrixXd chosen = columns(Eigen::seqN(0, columns.rows()), members);
       const VectorXd left = target - chosen * chosen.fullPivHouseholderQr().solve(target);
       costs[members.size() - 1].push_back(left.squaredNorm());
     }

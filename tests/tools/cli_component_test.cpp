@@ -60,10 +60,10 @@ double value_of(const Json& parameters, const std::string& name) {
 std::string python_default(const std::string& module, const std::string& function, const std::string& parameter) {
   const auto begin = module.find("\ndef " + function + "(\n");
   const auto end = module.find("\n)", begin);
-  const auto at = module.find("\n    " + parameter + ": str = \"", begin);
+  const auto at = module.find("\n    " + parameter + ": ", begin);
   EXPECT_LT(at, end) << function << " " << parameter;
-  const auto first = module.find('"', at) + 1;
-  return module.substr(first, module.find('"', first) - first);
+  const auto first = module.find(" = ", at) + 3;
+  return module.substr(first, module.find(",\n", first) - first);
 }
 
 // C++, command line and Python fit the same where nothing is said.
@@ -83,9 +83,11 @@ TEST(DefaultComponent, IsOneInAllFrontEnds) {
     EXPECT_EQ(json["options"]["weight"], weight) << command.front();
   }
   const std::string module = content_of(FRACFIT_SOURCE_DIR "/tools/python/fracfit/_fit.py");
+  EXPECT_NE(module.find("otherwise: str = \"" + weight + "\") -> str:"), std::string::npos);
   for (const char* function : {"fit", "identify"}) {
-    EXPECT_EQ(python_default(module, function, "component"), component) << function;
-    EXPECT_EQ(python_default(module, function, "weight"), weight) << function;
+    EXPECT_EQ(python_default(module, function, "component"), '"' + component + '"') << function;
+    // A weight of None is that of a sigma that was measured, or else this one.
+    EXPECT_EQ(python_default(module, function, "weight"), "None") << function;
   }
 }
 

@@ -206,6 +206,22 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
 }
 
+// Whether a value of the rival lies outside of the interval that the estimate has by itself.  One that lies within all
+// of them is the same scene, at another choice of motions: whether the search ends there too is for rounding to say.
+bool is_another_scene(const detail::SceneUncertainty& rival, const detail::SceneUncertainty& own) {
+  const auto outside = [](const SceneEstimate& other, const SceneEstimate& estimate) {
+    if (estimate.at_bound) return other.value != estimate.value;
+    return other.value < estimate.ci95_lower || other.value > estimate.ci95_upper;
+  };
+  const auto any_outside = [&](const auto& others, const auto& estimates) {
+    for (std::size_t k = 0; k < std::min(others.size(), estimates.size()); ++k)
+      if (outside(others[k], estimates[k])) return true;
+    return false;
+  };
+  return any_outside(rival.parameters, own.parameters) || any_outside(rival.combinations, own.combinations) ||
+         any_outside(rival.contact, own.contact) || any_outside(rival.friction, own.friction);
+}
+
 // Whether residuals over deviations that were measured are larger than errors of these explain, once in a thousand,
 // were they all from one estimate of the fewest degrees of freedom that response() has.  Less only widens the
 // intervals.
@@ -444,10 +460,12 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     const double least_variance = options.sigma_is_measured ? 1 : 0;
     detail::SceneUncertainty uncertainty =
         detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening, least_variance, data);
+    const detail::SceneUncertainty own = uncertainty;
     for (const detail::LocalScene& rival : found.rivals) {
-      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival), known.bounds, rival.theta, widening,
-                                             least_variance, data),
-                   uncertainty);
+      const detail::SceneUncertainty other = detail::scene_uncertainty(
+          detail::normal_equations(data, rival), known.bounds, rival.theta, widening, least_variance, data);
+      if (!is_another_scene(other, own)) continue;
+      stretch_over(other, uncertainty);
       result.rivals.push_back(
           {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
            rival.theta[4] * data.time_unit,

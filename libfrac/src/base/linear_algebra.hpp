@@ -9,6 +9,12 @@ namespace frac::detail {
 // The decompositions of Eigen behind functions that are no templates: compiled in one file, where each user would
 // spend five to ten seconds on them, and a second on their headers.
 
+/// These columns.  The name for all rows is in another namespace in Eigen 5 than in 3.4.
+template <typename Matrix, typename Indices>
+Eigen::MatrixXd chosen_columns(const Matrix& matrix, const Indices& columns) {
+  return matrix(Eigen::seqN(0, matrix.rows()), columns);
+}
+
 /// Q R P' = columns by Householder reflections, the longest remaining column first.
 class PivotedQr {
  public:

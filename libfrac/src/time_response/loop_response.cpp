@@ -118,7 +118,8 @@ std::vector<PowerFactor> to_power(std::vector<PowerFactor> factors, int power) {
 }
 
 std::vector<PowerFactor> factors_of(const std::vector<PowerFactor>& factors, const std::vector<PowerTerm>& terms) {
-  return factors.empty() ? std::vector<PowerFactor>{{terms, 1}} : factors;
+  if (!factors.empty()) return factors;
+  return {{terms, 1}};
 }
 
 // Sums over the nodes of a vertical line for the instants t.

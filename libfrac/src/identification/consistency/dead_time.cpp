@@ -75,8 +75,9 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
   // Sizes do not change when the phase turns, so that one projection serves all dead times, and what it leaves is the
   // sum of all squares but for those it explains.
   const Eigen::MatrixXd basis = PivotedQr(prompt_columns(omega, size)).basis();
-  const Eigen::MatrixXd of_real = basis(Eigen::seq(0, Eigen::last, 2), Eigen::all).transpose();
-  const Eigen::MatrixXd of_imaginary = basis(Eigen::seq(1, Eigen::last, 2), Eigen::all).transpose();
+  const auto columns = Eigen::seqN(0, basis.cols());
+  const Eigen::MatrixXd of_real = basis(Eigen::seqN(0, points, 2), columns).transpose();
+  const Eigen::MatrixXd of_imaginary = basis(Eigen::seqN(1, points, 2), columns).transpose();
   const Eigen::VectorXcd prompt = value.cwiseQuotient(size);
   const double all = prompt.squaredNorm();
   const auto turns = [&](double seconds) {

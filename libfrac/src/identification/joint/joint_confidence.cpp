@@ -158,7 +158,7 @@ class JointErrors {
     for (const Curve& curve : at_) size += curve.jacobian.rightCols(shared_).colwise().squaredNorm().transpose();
     size += priors.colwise().squaredNorm().transpose();
     choose_shared(size.cwiseSqrt());
-    shared_priors_ = priors(Eigen::all, inner_);
+    shared_priors_ = chosen_columns(priors, inner_);
     for (std::size_t c = 0; c < curves_.size(); ++c)
       at_[c].jacobian.bottomRows(own_priors_) *= prior_weight / curves_[c].prior_weight();
   }
@@ -206,12 +206,12 @@ class JointErrors {
   void split_off_own(std::size_t c) {
     choose_own(c);
     Curve& curve = at_[c];
-    curve.rest = curve.jacobian.rightCols(shared_)(Eigen::all, inner_);
+    curve.rest = chosen_columns(curve.jacobian.rightCols(shared_), inner_);
     curve.fitted = curve.rest;
     curve.follows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(curve.inner.size()), width());
     curve.own_influence = Eigen::MatrixXd::Zero(curve.rest.rows(), curve.follows.rows());
     if (curve.inner.empty()) return;
-    Eigen::MatrixXd columns = curve.jacobian(Eigen::all, curve.inner);
+    Eigen::MatrixXd columns = chosen_columns(curve.jacobian, curve.inner);
     const Eigen::VectorXd scale = columns.colwise().norm().transpose();
     columns = columns * scale.cwiseInverse().asDiagonal();
     const PlainQr qr(columns);

@@ -55,8 +55,7 @@ void carry_errors(FitResult& result, const FitResult& recovered, const std::vect
       others(i, j) = covariance_of(result, outer[static_cast<std::size_t>(i)], outer[static_cast<std::size_t>(j)]);
     }
   }
-  const Eigen::MatrixXd shift =
-      -PivotedQr(gradient(Eigen::all, inner)).solve(Eigen::MatrixXd(gradient(Eigen::all, outer)));
+  const Eigen::MatrixXd shift = -PivotedQr(chosen_columns(gradient, inner)).solve(chosen_columns(gradient, outer));
   const Eigen::MatrixXd mixed = shift * others;
   const Eigen::MatrixXd carried = mixed * shift.transpose();
   for (Eigen::Index a = 0; a < shift.rows(); ++a) {
