@@ -134,10 +134,10 @@ TEST_F(IdentifyScene, TakesTheMassFromTheFiles) {
 TEST_F(IdentifyScene, SaysThatValuesWithoutAUnitAreTakenAsMetresPerNewton) {
   for (const std::string columns : {"re,im", "magnitude_db,phase_deg"}) {
     const std::string rows = "omega_rad_s," + columns + "\n11,1,1\n12,1,1\n13,1,1\n14,1,1\n";
-    const auto result = run_fracfit({"identify-scene", folder.write("plain.csv", rows), "--force", "10"});
+    const auto result = run_fracfit({"identify-scene", folder.write("plain.csv", rows), "--force", "10", "--contact", "hard"});
     EXPECT_NE(result.error.find("taken as m/N"), std::string::npos) << result.error;
   }
-  const auto told = run_fracfit({"identify-scene", weak, "--fix", "m1=2"});
+  const auto told = run_fracfit({"identify-scene", weak, "--fix", "m1=2", "--contact", "hard"});
   EXPECT_EQ(told.error.find("taken as"), std::string::npos) << told.error;
 }
 
