@@ -165,28 +165,34 @@ TEST(FrictionIdentification, RecoversExactScenes) {
   }
 }
 
-// Noise of 1 %, friction of 5 % of the lower force.  Binomial(10, 0.95): 7 or fewer have a chance of 1.2 %, 6 or fewer
-// of 0.1 %.
+// Noise of 1 %, friction of 5 % of the lower force.  Binomial(10, 0.95): more than 3 misses have a chance of 0.1 %.  A
+// search that has not settled says so and states nothing; most settle.
 TEST(FrictionIdentification, IntervalsHoldMassesGapRestitutionAndFriction) {
   constexpr int trials = 10;
   support::Random random(2);
   Scene scene;
   scene.friction = {0.5, 0.5};
-  std::array<int, 5> held{};
+  std::array<int, 5> missed{};
+  int unsettled = 0;
   for (int trial = 0; trial < trials; ++trial) {
     auto options = with_mass1(scene);
     options.friction = FrictionModel::estimate;
     const auto result = identify_scene(measured(scene, 8, 0.01, random), options);
-    ASSERT_TRUE(result.usable()) << result.message;
-    const auto holds = [](const backlash::SceneEstimate& estimate, double value) {
-      return estimate.ci95_lower <= value && value <= estimate.ci95_upper;
+    if (!result.usable()) {
+      ++unsettled;
+      for (const auto& estimate : result.parameters) EXPECT_EQ(estimate.identified, estimate.fixed) << result.message;
+      continue;
+    }
+    const auto misses = [](const backlash::SceneEstimate& estimate, double value) {
+      return !(estimate.ci95_lower <= value && value <= estimate.ci95_upper);
     };
     const std::array<double, 4> truth = {scene.mass1, scene.mass2, scene.clearance, scene.restitution};
-    for (std::size_t k = 1; k < truth.size(); ++k) held[k - 1] += holds(result.parameters[k], truth[k]) ? 1 : 0;
-    held[3] += holds(result.friction[0], scene.friction.body1) ? 1 : 0;
-    held[4] += holds(result.friction[1], scene.friction.body2) ? 1 : 0;
+    for (std::size_t k = 1; k < truth.size(); ++k) missed[k - 1] += misses(result.parameters[k], truth[k]) ? 1 : 0;
+    missed[3] += misses(result.friction[0], scene.friction.body1) ? 1 : 0;
+    missed[4] += misses(result.friction[1], scene.friction.body2) ? 1 : 0;
   }
-  for (std::size_t k = 0; k < held.size(); ++k) EXPECT_GE(held[k], 7) << k;
+  for (std::size_t k = 0; k < missed.size(); ++k) EXPECT_LE(missed[k], 3) << k;
+  EXPECT_LE(unsettled, trials / 2);
 }
 
 TEST(FrictionIdentification, WithoutFrictionTheAnswerIsOneWithout) {
