@@ -53,8 +53,7 @@ std::string foreign_format(std::string_view bytes) {
     return "is EC-Lab's binary format (.mpr); expected its text: in EC-Lab, Experiment, Export as Text writes .mpt";
   if (has(head, "Version=11") && has(head, std::string_view("\0", 1)))
     return "is IviumSoft's binary format (.idf); expected its text: in IviumSoft, File, Data processing, Save as "
-           "writes "
-           "a table";
+           "writes a table";
   // JSON of PSTrace, as text or in UTF-16.
   if (has(head, "PalmSens") || has(head, std::string_view("P\0a\0l\0m\0S\0e\0n\0s\0", 16)))
     return "is a session of PSTrace (.pssession); expected a table: in PSTrace, Data, Export data to CSV";
@@ -68,8 +67,7 @@ std::string foreign_format(std::string_view bytes) {
   if (bytes.starts_with("PK\x03\x04")) {
     if (has(bytes, "xl/workbook.xml"))
       return "is a workbook (.xlsx) that is damaged or has no cells, or this fracfit was built without libzip; "
-             "expected "
-             "a sheet saved as CSV";
+             "expected a sheet saved as CSV";
     return "is an archive (zip) and no workbook of Excel; expected the file within, or a sheet saved as CSV";
   }
   return "";
