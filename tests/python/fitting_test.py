@@ -498,8 +498,8 @@ def test_tune_of_the_command_line():
 @pytest.mark.bits
 def test_scene_of_the_command_line():
     curves = [fracfit.read(path) for path in FORCES]
-    result = fracfit.identify_scene(curves, [20, 40], fixed={"mass1": 1})
-    found = command_line.json_of("identify-scene", *FORCES, "--fix", "mass1=1")
+    result = fracfit.identify_scene(curves, [20, 40], fixed={"mass1": 1}, contact="hard")
+    found = command_line.json_of("identify-scene", *FORCES, "--fix", "mass1=1", "--contact", "hard")
     assert str(result["restitution"]) in str(found)
     assert str(result["clearance"]) in str(found)
     # The data are of two masses of 1 kg, 0.3 m, restitution 0.6; five standard errors.
