@@ -444,8 +444,10 @@ TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   const auto figures = figures_in(page);
   ASSERT_EQ(figures.size(), 2U) << "response and residuals";
-  // Drawn once, by the script, and who allows none is told of it at each picture.
-  EXPECT_EQ(page.find("<svg"), std::string::npos);
+  // Drawn once, by the script, and who allows none is told of it at each picture.  The page itself has the circuit.
+  EXPECT_EQ(page.find("<svg"), page.rfind("<svg"));
+  EXPECT_NE(page.find("<svg class=\"circuit\""), std::string::npos);
+  EXPECT_NE(page.find("aria-label=\"circuit R0+(R1|CPE1)\""), std::string::npos);
   std::size_t told = 0;
   for (std::size_t at = page.find("<noscript>"); at != std::string::npos; at = page.find("<noscript>", at + 1)) ++told;
   EXPECT_EQ(told, figures.size());

@@ -6,6 +6,7 @@
 #include "frac/identification/screened_fit.hpp"
 #include "frac/identification/validate.hpp"
 #include "frac/parameter_units.hpp"
+#include "report/circuit_drawing.hpp"
 #include "report/data_figures.hpp"
 #include "report/html.hpp"
 #include "report/measured.hpp"
@@ -145,6 +146,10 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   if (const std::string beside = chosen_beside(*result); !beside.empty()) section.add(Html{"<p>" + beside + "</p>"});
   MeasuredPictures pictures = draw_measured(section.id, data, options.component, *result, field, read.value_unit);
   section.add(std::move(pictures.response));
+  const std::string& chosen = result->ranking.at(result->chosen).name;
+  if (const std::string circuit = circuit_of(chosen); field == Field::impedance && !circuit.empty())
+    section.add(Html{"<p>" + prose("data", "circuit", {{"model", escape_html(chosen)}}) + "</p><div class=\"scroll\">" +
+                     circuit_drawing(circuit) + "</div>"});
   section.add(chosen_table(section.id + "-chosen", *result, unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));

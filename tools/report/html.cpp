@@ -38,6 +38,7 @@ nav a,a{color:#00538a}
 .notice{background:#fdf1e3;border-left:4px solid #d55e00;padding:.7rem .9rem;margin:1rem 0;max-width:46rem}
 figure{margin:1.6rem 0 1.8rem}
 figure svg{width:100%;height:auto;display:block;background:#fff}
+.circuit{display:block;max-width:100%;height:auto}.circuit text{fill:currentColor;stroke:none;font-size:13px;text-anchor:middle}
 figcaption,caption{font-size:.9rem;color:#333;text-align:left;line-height:1.45}
 figcaption{margin-top:.3rem;max-width:52rem}
 .files{color:#777;font-size:.84rem}
