@@ -329,15 +329,16 @@ TEST(Verdict, ARowOfPolesThatApproximatesIsNoIntegerOrder) {
 }
 
 // Two models with as many parameters and the same response are one: it is listed and counted once, under the name of
-// the preset.  The sum of two arcs is what the family grows to on these data.
+// the preset.  The sum of two arcs is what the families of sums and of passive elements grow to on these data.
 TEST(Identify, ListsAModelInTwoSpellingsOnce) {
   const auto data = support::noisy_response("0.2 + 1/(0.3 s^0.8 + 1) + 2/(10 s^0.7 + 1)", {}, 0.01, 8u);
   const auto apart = frac::identify(data, models({"terms"}), {}, both_parts());
   ASSERT_EQ(apart.ranking.size(), 1u);
-  const auto result = frac::identify(data, models({"terms", "two-zarc", "two-rc"}), {}, both_parts());
+  const auto result = frac::identify(data, models({"terms", "two-zarc", "two-rc", "elements"}), {}, both_parts());
   ASSERT_EQ(result.ranking.size(), 2u);
   EXPECT_EQ(result.ranking[0].name, "two-zarc");
-  EXPECT_EQ(result.ranking[0].also, std::vector{apart.ranking[0].name});
+  EXPECT_EQ(result.ranking[0].also,
+            (std::vector<std::string>{apart.ranking[0].name, "elements:R0+(R1|CPE1)+(R2|CPE2)"}));
   // The same optimum, found in another form.
   EXPECT_NEAR(result.ranking[0].fit.cost, apart.ranking[0].fit.cost, 1e-6 * apart.ranking[0].fit.cost);
   EXPECT_EQ(result.ranking[0].fit.free_parameters, apart.ranking[0].fit.free_parameters);

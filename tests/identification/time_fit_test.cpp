@@ -116,7 +116,7 @@ TEST(TimeFit, InNoiseOfAToldCorrelationIsGeneralisedLeastSquares) {
     const double degrees = static_cast<double>(count) - (offset_is_told ? 1 : 2);
     const double variance =
         cost / degrees * (offset_is_told ? 1 / columns.col(0).dot(factor.solve(columns.col(0))) : inverse(0, 0));
-    const auto& gain = estimate(result, "K");
+    const frac::ParameterEstimate gain = estimate(result, "K");
     EXPECT_NEAR(result.cost, cost, tolerance * cost);
     EXPECT_NEAR(gain.value, best[0], tolerance * std::sqrt(variance));
     EXPECT_NEAR(gain.standard_error, gain.widening * std::sqrt(variance), tolerance * std::sqrt(variance));

@@ -319,8 +319,7 @@ IdentificationResult ranked(const Data& data, FittedCandidates candidates, const
   IdentificationResult result{};
   result.skipped = std::move(candidates.skipped);
   std::vector<detail::Competitor> competitors = std::move(candidates.competitors);
-  detail::merge_equivalent(competitors, data, options);
-  competitors.insert(competitors.end(), candidates.passive.begin(), candidates.passive.end());
+  detail::merge_equivalent(competitors, std::move(candidates.passive), data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());

@@ -144,7 +144,8 @@ bool goes_with_verdict(const Competitor& competitor, Verdict verdict) {
 void prefer_elements(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
                      const std::vector<Competitor>& competitors) {
   const auto found = std::find_if(competitors.begin(), competitors.end(), [](const Competitor& each) {
-    return each.passive && each.ranked.fit.termination == FitTermination::converged && is_comparable(each);
+    return (each.passive || each.is_such_a_sum) && each.ranked.fit.termination == FitTermination::converged &&
+           is_comparable(each);
   });
   if (found == competitors.end() || !goes_with_verdict(*found, result.verdict)) return;
   const std::size_t chosen = result.chosen, passive = static_cast<std::size_t>(found - competitors.begin());

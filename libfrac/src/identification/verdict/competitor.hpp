@@ -17,8 +17,9 @@ struct Competitor {
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
   bool approximates = false;
-  bool stands_in = false;  // for an unstable member of its family, which takes part in the verdict
-  bool passive = false;    // a sum of passive elements, which takes no part in it
+  bool stands_in = false;      // for an unstable member of its family, which takes part in the verdict
+  bool passive = false;        // a sum of passive elements, which takes no part in it
+  bool is_such_a_sum = false;  // a preset that is the same model as one of these
 
   [[nodiscard]] bool is_fractional() const { return ranked.model_class == ModelClass::fractional; }
   [[nodiscard]] double parameters() const { return static_cast<double>(ranked.fit.free_parameters); }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <iterator>
+#include <utility>
 #include <variant>
 
 #include "identification/data/residual_rule.hpp"
@@ -57,17 +59,21 @@ double unit_of(const TimeResponseData& data, const TimeFitOptions&) {
 }  // namespace
 
 template <class Data>
-void merge_equivalent(std::vector<Competitor>& competitors, const Data& data, const OptionsOf<Data>& options) {
+void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competitor> passive, const Data& data,
+                      const OptionsOf<Data>& options) {
   const double unit = unit_of(data, options);
   // A preset says more than the member of a family.
   std::stable_sort(competitors.begin(), competitors.end(), [](const Competitor& a, const Competitor& b) {
     return !a.ranked.from_family && b.ranked.from_family;
   });
+  competitors.insert(competitors.end(), std::make_move_iterator(passive.begin()),
+                     std::make_move_iterator(passive.end()));
   std::vector<Competitor> kept;
   for (Competitor& each : competitors) {
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const Competitor& other) {
       const bool alike =
           each.ranked.model_class != ModelClass::fixed_curve && other.ranked.model_class == each.ranked.model_class &&
+          !(each.passive && other.ranked.from_family) &&
           other.ranked.fit.free_parameters == each.ranked.fit.free_parameters && same_residuals(other, each, unit);
       if constexpr (is_response<Data>)
         return alike && same_beyond(data, options, other.ranked.fit, each.ranked.fit);
@@ -81,11 +87,14 @@ void merge_equivalent(std::vector<Competitor>& competitors, const Data& data, co
     same->ranked.also.push_back(each.ranked.name);
     same->departed = std::min(same->departed, each.departed);
     same->relaxations = std::max(same->relaxations, each.relaxations);
+    same->is_such_a_sum = same->is_such_a_sum || each.passive;
   }
   competitors = std::move(kept);
 }
 
-template void merge_equivalent(std::vector<Competitor>&, const FrequencyResponseData&, const FitOptions&);
-template void merge_equivalent(std::vector<Competitor>&, const TimeResponseData&, const TimeFitOptions&);
+template void merge_equivalent(std::vector<Competitor>&, std::vector<Competitor>, const FrequencyResponseData&,
+                               const FitOptions&);
+template void merge_equivalent(std::vector<Competitor>&, std::vector<Competitor>, const TimeResponseData&,
+                               const TimeFitOptions&);
 
 }  // namespace frac::detail
