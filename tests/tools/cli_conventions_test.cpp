@@ -214,4 +214,27 @@ TEST(Conventions, DataOnATerminalAreATable) {
   }
 }
 
+// Colours are for terminals that have them and users who did not refuse them; without their codes the text is that of
+// a pipe, where a terminal of unknown width has 80 columns.
+TEST(Conventions, TablesOnATerminalHaveColours) {
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminal here";
+  const std::vector<std::string> command{
+      "identify", FRACFIT_SOURCE_DIR "/data/examples/cell.csv", "--models", "two-zarc,lag", "--format", "table"};
+  const std::string plain = run_fracfit(command).output;
+  EXPECT_EQ(plain.find('\x1b'), std::string::npos);
+  const auto shown = [&](const std::string& terminal, const std::string& no_color) {
+    ProgramSetting setting;
+    setting.terminal_output = true;
+    setting.environment = {{"TERM", terminal}, {"NO_COLOR", no_color}};
+    // A terminal ends lines with both characters.
+    return std::regex_replace(run_fracfit(command, setting).output, std::regex("\r\n"), "\n");
+  };
+  EXPECT_EQ(shown("dumb", ""), plain);
+  EXPECT_EQ(shown("xterm", "1"), plain);
+  const std::string coloured = shown("xterm", "");
+  EXPECT_EQ(std::regex_replace(coloured, std::regex("\x1b\\[[0-9]*m"), ""), plain);
+  for (const char* const marked : {"\x1b[1mverdict:\x1b[0m", "\x1b[1mchosen\x1b[0m", "\x1b[31mmisses the data\x1b[0m"})
+    EXPECT_NE(coloured.find(marked), std::string::npos) << marked;
+}
+
 }  // namespace

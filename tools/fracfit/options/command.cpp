@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/command.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -17,6 +15,7 @@
 
 #include "frac/cancellation.hpp"
 #include "io/data_error.hpp"
+#include "output/terminal.hpp"
 
 namespace fracfit {
 
@@ -126,7 +125,14 @@ void Command::say(const std::string& message) const {
 
 std::string Command::format() const {
   if (!format_.empty()) return format_;
-  return out_.empty() && ::isatty(STDOUT_FILENO) != 0 ? "table" : file_format_;
+  return out_.empty() && output_is_terminal() ? "table" : file_format_;
+}
+
+void Command::write(std::string_view text) const {
+  if (out_.empty() && format() == "table" && shows_colours())
+    output_->write(in_colours(text));
+  else
+    output_->write(text);
 }
 
 }  // namespace fracfit

@@ -66,7 +66,7 @@ class Command {
   [[nodiscard]] virtual std::string format() const;
   [[nodiscard]] std::string command_line() const { return options_.command_line(name_); }
   /// Writes the result to --out, whole or not at all.
-  void write(std::string_view text) const { output_->write(text); }
+  void write(std::string_view text) const;
   [[nodiscard]] const io::OutputFile& output() const { return *output_; }
   /// --out is a file, not standard output or a device.
   [[nodiscard]] bool writes_file() const;

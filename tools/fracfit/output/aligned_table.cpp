@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <sstream>
 
+#include "output/terminal.hpp"
+
 namespace fracfit {
 
 namespace {
@@ -25,7 +27,7 @@ std::vector<std::string> broken(const std::string& text, std::size_t width) {
 
 std::string paragraph(const std::string& text, std::size_t indent) {
   std::string result;
-  for (const std::string& line : broken(text, terminal_width - indent))
+  for (const std::string& line : broken(text, terminal_width() - indent))
     result += (result.empty() ? "" : std::string(indent, ' ')) + line + "\n";
   return result;
 }
@@ -47,7 +49,7 @@ std::string AlignedTable::text() const {
     used += width[i] + 2;
   }
   constexpr std::size_t narrowest = 24;
-  const std::size_t room = std::max(narrowest, terminal_width - std::min(terminal_width, used));
+  const std::size_t room = std::max(narrowest, terminal_width() - std::min(terminal_width(), used));
   std::string text;
   const auto add_line = [&](std::string line) {
     line.erase(line.find_last_not_of(' ') + 1);

@@ -7,14 +7,11 @@
 
 namespace fracfit {
 
-/// Characters that a terminal shows in one line wherever nothing is known of it.
-constexpr std::size_t terminal_width = 80;
-
-/// Lines broken between words to fit a terminal, those after the first indented.  Ends with a line end.
+/// Lines broken between words to fit the terminal, those after the first indented.  Ends with a line end.
 [[nodiscard]] std::string paragraph(const std::string& text, std::size_t indent = 0);
 
 /// Columns set flush for people to read: the first to the left, the others to the right.  A last column of remarks is
-/// set to the left and broken into lines.
+/// set to the left and broken into lines that fit the terminal.
 class AlignedTable {
  public:
   enum class Last { number, remark };
