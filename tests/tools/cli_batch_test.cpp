@@ -292,6 +292,15 @@ TEST_F(Batch, NoFitAtAllIsExitCodeOne) {
   const auto result = run_fracfit({"batch", short_file, "--model", "K/(T s^a + 1)"});
   EXPECT_EQ(result.code, 1) << result.output;
   EXPECT_NE(result.error.find("1 of 1 curves gave no result"), std::string::npos) << result.error;
+  // Each reason is counted as the column has it.
+  const auto three = run_fracfit({"batch", short_file, folder.write("short2.csv", "omega_rad_s,re,im\n1,1,1\n"),
+                                  folder.write("empty.csv", ""), folder.path("data/force_1.csv"), "--model",
+                                  "K/(T s^a + 1)", "--format", "csv"});
+  const std::size_t row = three.output.find("short.csv,") + std::string("short.csv,").size();
+  const std::string status = three.output.substr(row, three.output.find(',', row) - row);
+  EXPECT_NE(three.error.find("3 of 4 curves gave no result (1 invalid-data, 2 " + status + "); see column status"),
+            std::string::npos)
+      << three.error;
 }
 
 TEST_F(Batch, ALawNeedsAVariableThatTheDataKnow) {

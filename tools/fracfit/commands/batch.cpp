@@ -222,20 +222,20 @@ class Batch : public Command {
 
   [[nodiscard]] int outcome(const BatchManifest& manifest, const std::vector<std::string>& lines,
                             const std::vector<std::string>& notes) const {
-    std::size_t converged = 0, unreadable = 0;
-    for (const auto& line : lines) {
-      const auto status = status_of(row_format(), manifest, line);
-      converged += status == "converged" ? 1U : 0U;
-      unreadable += status == "invalid-data" ? 1U : 0U;
-    }
-    if (!lines.empty() && unreadable == lines.size()) {
+    std::map<std::string, std::size_t> without;  // a result, by their status
+    for (const auto& line : lines) ++without[status_of(row_format(), manifest, line)];
+    const std::size_t converged = without.contains("converged") ? without.extract("converged").mapped() : 0;
+    if (!lines.empty() && without.contains("invalid-data") && without.at("invalid-data") == lines.size()) {
       complain_of_data(row_format(), manifest, lines);
       return invalid_data;
     }
     for (const auto& note : notes) say(note);
+    std::string reasons;
+    for (const auto& [status, count] : without)
+      reasons += (reasons.empty() ? "" : ", ") + std::to_string(count) + " " + status;
     if (converged < lines.size())
       say(std::to_string(lines.size() - converged) + " of " + std::to_string(lines.size()) +
-          " curves gave no result; see column status");
+          " curves gave no result (" + reasons + "); see column status");
     return converged > 0 || lines.empty() ? usable_result : no_usable_result;
   }
 
