@@ -34,6 +34,7 @@ class ReadersFolder {
     ProgramSetting setting;
     setting.search_path = fs::path(FRACFIT_PROGRAM).parent_path().string() + ":" + (path == nullptr ? "" : path);
     setting.terminal_output = true;
+    setting.environment.emplace_back("NO_COLOR", "1");
     const ProgramResult result = run_program("/bin/bash", {"-c", "cd '" + folder_.path() + "'\n" + command}, setting);
     text = result.error + result.output;
     std::erase(text, '\r');
