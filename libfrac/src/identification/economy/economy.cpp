@@ -225,6 +225,19 @@ void judge(Economy& result) {
 
 namespace detail {
 
+Thinned scouted(const EconomyProblem& problem, std::size_t points) {
+  Thinned few = thinned(problem.data, problem.rule, points);
+  std::vector<double> stands_for(few.data.size(), 0.0);
+  std::size_t nearest = 0;
+  for (const double omega : problem.data.omega()) {
+    const auto distance = [&](std::size_t i) { return std::abs(few.data.omega()[i] - omega); };
+    while (nearest + 1 < few.data.size() && distance(nearest + 1) < distance(nearest)) ++nearest;
+    ++stands_for[nearest];
+  }
+  for (std::size_t i = 0; i < stands_for.size(); ++i) few.rule.weight[i] *= std::sqrt(stands_for[i]);
+  return few;
+}
+
 void add_point(EconomyCurve& curve, EconomyPoint point) {
   if (!std::isfinite(point.error)) return;
   if (!curve.points.empty() && !(point.error < curve.points.back().error)) return;

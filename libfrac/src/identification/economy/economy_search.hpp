@@ -11,6 +11,7 @@
 #include "frac/identification/model_library.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/projection.hpp"
+#include "identification/search/thinned.hpp"
 
 namespace frac::detail {
 
@@ -37,6 +38,9 @@ inline constexpr double same_order = 1e-6;
 [[nodiscard]] inline double economy_error(const EconomyProblem& problem, double cost) {
   return std::sqrt(cost / static_cast<double>(problem.data.size()));
 }
+
+/// Fewer points, each with the weight of those it is nearest to: costs are estimates of those of all points.
+[[nodiscard]] Thinned scouted(const EconomyProblem& problem, std::size_t points);
 
 /// Searches end where a step promises less than 1e-9 of the cost.
 inline constexpr Effort to_the_end{200, 1e-9};

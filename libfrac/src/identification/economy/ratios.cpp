@@ -4,13 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "economy_search.hpp"
 #include "identification/rational/rational_model.hpp"
 #include "identification/rational/rational_problem.hpp"
-#include "identification/search/thinned.hpp"
+#include "identification/search/triangular_form.hpp"
 
 namespace frac::detail {
 namespace {
@@ -91,8 +92,8 @@ class Ratios {
 
  private:
   static RationalProblem thin(const EconomyProblem& given) {
-    constexpr std::size_t scouted = 48;  // six times as many as parameters
-    const Thinned few = thinned(given.data, given.rule, scouted);
+    constexpr std::size_t points = 32;  // four times as many as parameters
+    const Thinned few = scouted(given, points);
     return RationalProblem(few.data, few.rule, Poles::left_half_plane);
   }
 
@@ -170,9 +171,8 @@ class Ratios {
     return values;
   }
 
-  /// What each numerator of the list leaves over a denominator, infinite where its offset is beyond the limits.  The
-  /// powers of z are taken from the data one by one, and from the powers after them: each cost is that of the one
-  /// before less a product.
+  /// What each numerator of the list leaves over a denominator, infinite where its offset is beyond the limits.  One
+  /// triangular form for each offset tells it of every number of coefficients.
   [[nodiscard]] std::vector<double> costs(const RationalShape& denominator, const std::vector<Ratio>& list, int first,
                                           int last) const {
     std::vector<double> result(list.size(), infinity);
@@ -192,21 +192,19 @@ class Ratios {
     }
     const auto seen = scout_.weighted(columns);
     if (!seen) return result;
-    std::vector<double> of_offset(most);
+    const std::size_t rows = scout_.rows();
+    std::vector<double> of_offset(most), triangle((most + 1) * (most + 1));
     for (int offset = first; offset <= last; ++offset) {
-      Eigen::MatrixXd left = seen->matrix.middleCols(offset - first, static_cast<Index>(most));
-      Eigen::VectorXd residual = scout_.target();
-      for (Index k = 0; k < left.cols(); ++k) {
-        constexpr double dependent = 1e-11;
-        const auto taken = left.col(k);
-        const double square = taken.squaredNorm();
-        if (square > dependent * dependent) {
-          residual -= taken * (taken.dot(residual) / square);
-          for (Index after = k + 1; after < left.cols(); ++after) {
-            left.col(after) -= taken * (taken.dot(left.col(after)) / square);
-          }
-        }
-        of_offset[static_cast<std::size_t>(k)] = residual.squaredNorm();
+      const std::span<const double> window(seen->matrix.col(offset - first).data(), most * rows);
+      triangular_form(window, {scout_.target().data(), rows}, triangle);
+      // The last column holds what each further one takes from the data; one that depends on those before takes none.
+      double left = std::pow(triangle.back(), 2);
+      const auto taken = [&](std::size_t k) { return std::pow(triangle[k * (most + 1) + most], 2); };
+      const auto is_dependent = [&](std::size_t k) { return std::abs(triangle[k * (most + 2)]) <= 1e-11; };
+      for (std::size_t k = 0; k < most; ++k) left += is_dependent(k) ? taken(k) : 0;
+      for (std::size_t k = most; k-- > 0;) {
+        of_offset[k] = left;
+        left += is_dependent(k) ? 0 : taken(k);
       }
       for (std::size_t i = 0; i < list.size(); ++i) {
         if (list[i].numerator.offset == offset) result[i] = of_offset[list[i].numerator.coefficients - 1];
@@ -237,7 +235,7 @@ class Ratios {
   void refine(std::vector<Ratio>& list, std::size_t tried) const {
     constexpr std::size_t kept = 3, ended = 12;
     constexpr double hopeless = 1e4;  // a few steps seldom take a start below the hundredth part of its error
-    constexpr Effort few_steps{6, scouting.settled};
+    constexpr Effort few_steps{4, scouting.settled};
     std::map<std::size_t, double> least;
     for (const Ratio& ratio : list) {
       double& cost = least.try_emplace(ratio.numerator.seen, infinity).first->second;
@@ -323,10 +321,10 @@ class Ratios {
     }
   }
 
-  /// Upwards in the number of poles, and twice down and up again: what suits a larger ratio may have escaped the
-  /// smaller one.
+  /// Upwards in the number of poles, and once down and up again: what suits a larger ratio may have escaped the smaller
+  /// one.
   void search() {
-    constexpr std::size_t parents = 4, fewer_parents = 2, exchanged = 3, tried = 8, tried_again = 4, passes = 2;
+    constexpr std::size_t parents = 4, fewer_parents = 2, exchanged = 4, tried = 8, tried_again = 4;
     RationalShape none;
     none.free_order = free_order_;
     for (std::size_t poles = 0; poles < most_; ++poles) {
@@ -344,15 +342,13 @@ class Ratios {
       }
       refine(list, tried_again);
     }
-    for (std::size_t pass = 0; pass < passes; ++pass) {
-      for (std::size_t poles = most_; poles-- > 0;) {
-        add_from_more(poles, exchanged, by_poles_[poles]);
-        refine(by_poles_[poles], tried_again);
-      }
-      for (std::size_t poles = 1; poles < most_; ++poles) {
-        add_from_fewer(poles, fewer_parents, by_poles_[poles]);
-        refine(by_poles_[poles], tried_again);
-      }
+    for (std::size_t poles = most_; poles-- > 0;) {
+      add_from_more(poles, exchanged, by_poles_[poles]);
+      refine(by_poles_[poles], tried_again);
+    }
+    for (std::size_t poles = 1; poles < most_; ++poles) {
+      add_from_fewer(poles, fewer_parents, by_poles_[poles]);
+      refine(by_poles_[poles], tried_again);
     }
   }
 

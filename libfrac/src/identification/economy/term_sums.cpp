@@ -106,7 +106,7 @@ class TermSearch {
  private:
   /// Appends the sum with each term of that price at those of its places that are best.
   void extend(const TermSum& sum, std::size_t step, std::vector<TermFit>& refined) const {
-    constexpr std::size_t refined_of_kind = 2;
+    constexpr std::size_t refined_of_kind = 3;
     for (const std::vector<Term>& line : lines_) {
       if (price(line.front()) != step || !allowed(sum, line.front())) continue;
       std::vector<TermFit> starts;
@@ -120,7 +120,7 @@ class TermSearch {
 
   /// Puts the best of each composition to those that are there.
   void keep_best(std::vector<TermFit> fits, std::vector<TermFit>& best) const {
-    constexpr std::size_t beam = 16;
+    constexpr std::size_t beam = 12;
     std::stable_sort(fits.begin(), fits.end(), cheaper);
     std::set<Composition> seen;
     for (TermFit& fit : fits) {
@@ -152,13 +152,19 @@ class TermSearch {
 // are nothing alone.  Each gets each kind of term at each of its places that is a local minimum, and the best of these
 // are refined.
 EconomyCurve economy_of_terms(const EconomyProblem& given) {
-  const TermProblem problem(given.data, given.rule);
+  constexpr std::size_t points = 48, ended = 6;
+  const Thinned few = scouted(given, points);
+  const TermProblem scout(few.data, few.rule), problem(given.data, given.rule);
   EconomyCurve curve{std::string(to_string(EconomyClass::terms)), EconomyClass::terms, {}};
-  TermSearch search(problem);
+  TermSearch search(scout);
   for (std::size_t count = 1; count <= given.options.most_parameters; ++count) {
     const std::vector<TermFit>& sums = search.grow();
-    if (sums.empty()) continue;
-    const TermFit& best = sums.front();
+    TermFit best{{}, infinity, 0};
+    for (std::size_t i = 0; i < std::min(ended, sums.size()); ++i) {
+      TermFit end = problem.refine(sums[i].sum, to_the_end);
+      if (end.cost < best.cost) best = std::move(end);
+    }
+    if (!std::isfinite(best.cost)) continue;
     const bool fractional = std::any_of(best.sum.begin(), best.sum.end(), is_fractional);
     const double error = economy_error(given, best.cost);
     add_point(curve, {count, error, false, fractional, with_numbers(written_out(problem, best.sum))});

@@ -58,7 +58,7 @@ ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRu
   put(value, target_);
 }
 
-void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const {
+void ProjectedData::put(const Eigen::Ref<const Eigen::VectorXcd>& values, Eigen::Ref<Eigen::VectorXd> column) const {
   const Index points = values.size();
   switch (form_) {
     case ResidualForm::real:
@@ -74,11 +74,13 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
   }
 }
 
-double ProjectedData::unseen_length(const Eigen::VectorXcd& values) const {
-  const Eigen::VectorXd unseen = weight_.cwiseProduct(form_ == ResidualForm::real ? Eigen::VectorXd(values.imag())
-                                                                                  : Eigen::VectorXd(values.real()));
-  const double length = unseen.norm();
-  return is_in_range(length) ? length : unseen.stableNorm();
+double ProjectedData::unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const {
+  const auto of = [this](const auto& unseen) {
+    const auto weighted = weight_.cwiseProduct(unseen);
+    const double length = weighted.norm();
+    return is_in_range(length) ? length : weighted.stableNorm();
+  };
+  return form_ == ResidualForm::real ? of(values.imag()) : of(values.real());
 }
 
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {

@@ -42,11 +42,6 @@ double least_stable_damping(double order) {
   return std::asinh(least_sinh_damping(order) + at_the_edge);
 }
 
-/// Twice as fast as division, which also avoids overflow of the squares: values here lie between e^-200 and e^200.
-Eigen::ArrayXcd reciprocal(const Eigen::ArrayXcd& values) {
-  return values.conjugate() * values.abs2().inverse().cast<Complex>();
-}
-
 void sort_by_size(std::vector<PoleFactor>& factors) {
   std::stable_sort(factors.begin(), factors.end(),
                    [](const PoleFactor& a, const PoleFactor& b) { return a.log_size < b.log_size; });

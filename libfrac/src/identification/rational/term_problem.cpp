@@ -89,7 +89,7 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
     case Term::Kind::even_spread:
       return spread_of(term, data).value;
     case Term::Kind::arc:
-      return (1.0 + data.power(term.order, -term.log_size)).inverse();
+      return reciprocal(1.0 + data.power(term.order, -term.log_size));
     case Term::Kind::rise:
       // With the inverse power neither end overflows into a quotient of infinities.
       return (1.0 + data.power(-term.order, -term.log_size)).inverse();
@@ -109,7 +109,7 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
     }
     case Term::Kind::mode: {
       const Eigen::ArrayXcd x = scaled(term, data);
-      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / denominator(term, x);
+      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) * reciprocal(denominator(term, x));
     }
     default:
       return data.power(term.order);
@@ -184,7 +184,7 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
     const Eigen::ArrayXcd value = column_of(term, *this);
     if (term.kind == Term::Kind::mode) {
       const Eigen::ArrayXcd x = scaled(term, *this), damped = 2 * std::exp(term.log_damping) * x,
-                            share = 1.0 / denominator(term, x);
+                            share = reciprocal(denominator(term, x));
       result.col(column++) = (coefficient * value * ((damped + 2.0 * x * x) * share - term.order)).matrix();
       result.col(column++) = (-coefficient * value * damped * share).matrix();
       continue;
