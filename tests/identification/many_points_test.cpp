@@ -24,14 +24,14 @@ std::vector<double> parameters_of(const frac::FitResult& fit) {
   return values;
 }
 
-/// Relative residuals of both parts at given parameters, without the library's residuals.
+/// Residuals of both parts at given parameters, without the library's.  @param floor  0: relative ones
 std::vector<double> residuals_of(const frac::FrequencyResponseData& data, const frac::Structure& structure,
-                                 const std::vector<double>& parameters) {
+                                 const std::vector<double>& parameters, double floor = 0) {
   std::vector<Complex> model(data.size());
   structure.response(parameters, data.omega(), frac::ExactRealisation{}, model);
   std::vector<double> residuals;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Complex rest = (model[i] - data.value()[i]) / std::abs(data.value()[i]);
+    const Complex rest = (model[i] - data.value()[i]) / std::hypot(std::abs(data.value()[i]), floor);
     residuals.insert(residuals.end(), {rest.real(), rest.imag()});
   }
   return residuals;
@@ -41,6 +41,25 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
   return sum;
+}
+
+// What is left of the cost to be gained along any one parameter, (J'r)^2/J'J, moves it by the square root of that share
+// of the variance in standard errors: less than a thousandth is asked for.
+void expect_optimum(const frac::FrequencyResponseData& data, const frac::Structure& structure,
+                    const frac::FitResult& fit, double floor) {
+  const std::vector<double> values = parameters_of(fit), residual = residuals_of(data, structure, values, floor);
+  const double variance = product(residual, residual) / static_cast<double>(residual.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double step = 1e-5 * values[k];
+    std::vector<double> above = values, below = values;
+    above[k] += step;
+    below[k] -= step;
+    std::vector<double> slope = residuals_of(data, structure, above, floor);
+    const std::vector<double> other = residuals_of(data, structure, below, floor);
+    for (std::size_t i = 0; i < slope.size(); ++i) slope[i] -= other[i];
+    const double gain = std::pow(product(slope, residual), 2) / product(slope, slope);
+    EXPECT_LT(std::sqrt(gain / variance), 1e-3) << structure.formula() << ' ' << fit.parameters[k].name;
+  }
 }
 
 // Repeats of a frequency share a bin, over which any model is constant: sums of squares of all points and of the means
@@ -80,8 +99,8 @@ TEST(ManyPoints, MeansOfRepeatsAreSufficient) {
   }
 }
 
-// Over a bin of width h in ln omega the mean of s^a is off from s^a at the mean frequency by a (a - 1) h^2/24 of it: for
-// 100 bins of four decades 2.7e-4, and half as much again for how few points in a bin stand.
+// Over a bin of width h in ln omega the mean of s^a is off from s^a at the mean frequency by a (a - 1) h^2/24 of it:
+// for 100 bins of four decades 2.7e-4, and half as much again for how few points in a bin stand.
 TEST(ManyPoints, MeansFollowACurveToSecondOrderOfTheBins) {
   const auto error = [](std::size_t bins) {
     const frac::Structure structure("s^1.5");
@@ -107,9 +126,8 @@ TEST(ManyPoints, OnlyDifferencesHaveMeans) {
   EXPECT_FALSE(frac::detail::binned(data, rule, 10));
 }
 
-// What is left of the cost to be gained along any one parameter, (J'r)^2/J'J, moves it by the square root of that share
-// of the variance in standard errors.  Fits end where a step gains 1e-14 of the cost: 3.5e-5 standard errors of 1.2e5
-// residuals.  A thousandth is asked of the fit, which the optimum of every sixth point would miss by two.
+// Fits end where a step gains 1e-14 of the cost: 3.5e-5 standard errors of 1.2e5 residuals.  The optimum of every sixth
+// point would miss that of all by two.
 TEST(ManyPoints, FitsEndAtTheOptimumOfAllOfThem) {
   const struct {
     const char *truth, *model;
@@ -123,20 +141,33 @@ TEST(ManyPoints, FitsEndAtTheOptimumOfAllOfThem) {
     const frac::Structure structure(model);
     const frac::FitResult fit = frac::fit(data, structure, options);
     ASSERT_TRUE(fit.usable()) << model;
-    const std::vector<double> values = parameters_of(fit), residual = residuals_of(data, structure, values);
-    const double variance = product(residual, residual) / static_cast<double>(residual.size());
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      const double step = 1e-5 * values[k];
-      std::vector<double> above = values, below = values;
-      above[k] += step;
-      below[k] -= step;
-      std::vector<double> slope = residuals_of(data, structure, above);
-      const std::vector<double> other = residuals_of(data, structure, below);
-      for (std::size_t i = 0; i < slope.size(); ++i) slope[i] -= other[i];
-      const double gain = std::pow(product(slope, residual), 2) / product(slope, slope);
-      EXPECT_LT(std::sqrt(gain / variance), 1e-3) << model << ' ' << fit.parameters[k].name;
-    }
+    expect_optimum(data, structure, fit, 0);
   }
+}
+
+// Noise of standard deviation .01 sqrt(|G|^2 + 1.5^2): a floor is told to within the finest step of its search, .12 in
+// the logarithm, as 1.2e5 residuals themselves tell it to some per cent.  Its own fits end at means of the points, the
+// result at the optimum of all; relative noise has no floor.
+TEST(ManyPoints, AFloorIsToldByMeansAndFittedOnAllPoints) {
+  const frac::Structure structure("K0 + K/(1 + (T s)^a)");
+  constexpr double noise = 0.01, floor = 1.5;
+  support::Random random(17);
+  std::vector<double> omega = support::four_decades(60'000);
+  std::vector<Complex> value, relative;
+  for (const double each : omega) {
+    const Complex exact = structure.response(std::vector<double>{0.5, 2, 0.3, 0.8}, each);
+    const Complex drawn = noise * Complex(random.normal(), random.normal());
+    value.push_back(exact + drawn * std::hypot(std::abs(exact), floor));
+    relative.push_back(exact + drawn * std::abs(exact));
+  }
+  const frac::FrequencyResponseData data(omega, value);
+  const frac::FitResult fit = frac::fit(data, structure, {});
+  ASSERT_TRUE(fit.usable());
+  EXPECT_NEAR(std::log(fit.noise_floor / floor), 0, 0.15);
+  expect_optimum(data, structure, fit, fit.noise_floor);
+  for (const frac::ParameterEstimate& each : fit.parameters)
+    EXPECT_TRUE(std::isfinite(each.standard_error)) << each.name;
+  EXPECT_EQ(frac::fit({omega, relative}, structure, {}).noise_floor, 0);
 }
 
 // Two arcs contain one: on data of one they leave no more, and by chance of a parameter some squares of noise less.

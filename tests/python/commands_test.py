@@ -18,51 +18,12 @@ from fracfit import FractionalPid, Model
 EXAMPLES = os.path.join(command_line.DATA, "examples")
 CELL = os.path.join(EXAMPLES, "cell.csv")
 
-# What computes, and where it is in Python.
-FUNCTIONS = {
-    "analyse": "Model.stability",
-    "approximate": "approximate",
-    "basins": "basins",
-    "batch": "batch",
-    "controller": "FractionalPid",
-    "convert": "FrequencyResponse.to_csv",
-    "drt": "drt",
-    "evaluate": "FitResult.band",
-    "export": "export_fmu",
-    "fit": "fit",
-    "history": "history",
-    "identify": "identify",
-    "identify-scene": "identify_scene",
-    "joint-fit": "joint_fit",
-    "jump-law": "jump_law",
-    "limit-cycles": "limit_cycles",
-    "loop": "loop",
-    "map": "regime_map",
-    "mittag-leffler": "mittag_leffler",
-    "multisine": "multisine",
-    "orbits": "orbits",
-    "realise": "Model.realise",
-    "report": "report",
-    "respond": "Model.respond",
-    "response": "response",
-    "simulate": "describing_function",
-    "tune": "tune",
-    "validate": "validate",
-}
-# These compute nothing: texts for shells, documents and clusters, and files joined.
-OTHERS = {"cluster-script", "completion", "describe", "help", "man", "merge"}
-
 
 def test_every_computing_command_has_its_function():
-    listed = re.findall(r"^  ([a-z][a-z-]+)  ", command_line.run("--help"), flags=re.M)
-    assert len(listed) > 20
-    missing = set(listed) - set(FUNCTIONS) - OTHERS
-    assert not missing, f"commands that nobody has placed: {missing}"
-    for where in FUNCTIONS.values():
-        thing = fracfit
-        for name in where.split("."):
-            thing = getattr(thing, name)
-        assert callable(thing)
+    placed = {**command_line.FUNCTIONS, **command_line.METHODS}
+    assert command_line.commands() == set(placed) | command_line.TEXTS
+    for where in placed.values():
+        assert callable(command_line.function(where))
 
 
 def same(ours, theirs):

@@ -181,4 +181,16 @@ void CompliantRun::begin_anew(int periods) {
   phasors_ = flow_->take_phasors(state_, periods);
 }
 
+CompliantRun at_next_peak(const CompliantFlow& flow, const LoopStart& at_contact, double angle) {
+  constexpr double turn = 2 * std::numbers::pi;
+  Eigen::VectorXd state = flow.start(at_contact);
+  state[CompliantFlow::cosine] = std::cos(angle);
+  state[CompliantFlow::sine] = std::sin(angle);
+  CompliantRun run(flow, state, flow.mode_of(state));
+  const double until = turn - std::fmod(std::fmod(angle, turn) + turn, turn);
+  while (run.time() < until && !run.has_escaped()) run.advance(until);
+  const Eigen::VectorXd at_peak = flow.start(CompliantFlow::positions(run.state()));
+  return {flow, at_peak, flow.mode_of(at_peak)};
+}
+
 }  // namespace backlash::detail

@@ -75,4 +75,8 @@ class CompliantRun {
   Visit visit_;
 };
 
+/// A motion at the first peak of the force after a contact, when the force is at `angle`, rad from its peak; the force
+/// has the angular frequency 1.
+[[nodiscard]] CompliantRun at_next_peak(const CompliantFlow& flow, const LoopStart& at_contact, double angle);
+
 }  // namespace backlash::detail

@@ -60,17 +60,9 @@ CompliantRun from_rest(const CompliantFlow& flow) {
 // Beside a symmetric orbit, at the next peak of the force; the centre of mass as the force leaves it.
 CompliantRun beside(const CompliantFlow& flow, const SymmetricCompliantOrbit& orbit) {
   constexpr double faster = 1.02;
-  constexpr double turn = 2 * std::numbers::pi;
   const double rate = faster * orbit.speed;
   const double centre = flow.force() / (2 * each_mass) * std::sin(orbit.angle);
-  Eigen::VectorXd state = flow.start({0, centre - rate / 2, 0.5, centre + rate / 2});
-  state[CompliantFlow::cosine] = std::cos(orbit.angle);
-  state[CompliantFlow::sine] = std::sin(orbit.angle);
-  CompliantRun run(flow, state, flow.mode_of(state));
-  const double until = turn - std::fmod(std::fmod(orbit.angle, turn) + turn, turn);
-  while (run.time() < until && !run.has_escaped()) run.advance(until);
-  const Eigen::VectorXd at_peak = flow.start(CompliantFlow::positions(run.state()));
-  return {flow, at_peak, flow.mode_of(at_peak)};
+  return at_next_peak(flow, {0, centre - rate / 2, 0.5, centre + rate / 2}, orbit.angle);
 }
 
 }  // namespace

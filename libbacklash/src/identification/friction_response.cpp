@@ -75,20 +75,13 @@ CompliantRun from_rest(const CompliantFlow& flow) {
 
 // At the next peak of the force after a contact of the symmetric orbit begins.
 CompliantRun from_symmetric(const CompliantFlow& flow, const SymmetricCompliantOrbit& orbit) {
-  constexpr double turn = 2 * std::numbers::pi;
   const TwoMassSystem& system = flow.bodies().system();
   const double total = system.mass1() + system.mass2();
   // Of the centre of mass, as the force leaves it.
   const double centre = flow.force() / total * std::sin(orbit.angle);
-  Eigen::VectorXd state = flow.start(
-      {0, centre - orbit.speed * system.mass2() / total, 0.5, centre + orbit.speed * system.mass1() / total});
-  state[CompliantFlow::cosine] = std::cos(orbit.angle);
-  state[CompliantFlow::sine] = std::sin(orbit.angle);
-  CompliantRun run(flow, state, flow.mode_of(state));
-  const double until = turn - std::fmod(std::fmod(orbit.angle, turn) + turn, turn);
-  while (run.time() < until && !run.has_escaped()) run.advance(until);
-  const Eigen::VectorXd at_peak = flow.start(CompliantFlow::positions(run.state()));
-  return {flow, at_peak, flow.mode_of(at_peak)};
+  return at_next_peak(
+      flow, {0, centre - orbit.speed * system.mass2() / total, 0.5, centre + orbit.speed * system.mass1() / total},
+      orbit.angle);
 }
 
 std::optional<CompliantOrbit> orbit_of(const CompliantFlow& flow, const FrictionGroups& groups, FrictionStart start,

@@ -178,102 +178,170 @@ detail::LocalOptions robust_search_of_many(detail::FrequencyProblem& problem, st
   return robust_refinement(problem.residuals(), options.loss, scale, solution);
 }
 
-FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        Extent extent) {
-  const auto begin = std::chrono::steady_clock::now();
-  check_coverage(data, options.realisation);
-  const std::size_t most_residuals = 2 * data.size();
-  const std::size_t least_free =
-      structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
-  if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  detail::FrequencyProblem problem(data, structure, options);
-  const detail::ParameterMap& map = problem.map;
-  const detail::ResidualRule& rule = problem.rule;
-  detail::Residuals& residuals = problem.residuals();
-  if (residuals.count() < map.free().size()) {
-    refuse_count(residuals.count(), map.free().size());
+/// A fit of one component under one weight: searched for when it is made, described when it is asked for.
+class ComponentFit {
+ public:
+  ComponentFit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options, Extent extent)
+      : extent_(extent),
+        problem_(problem_of(data, structure, options)),
+        empty_(detail::is_empty(data, options.component)) {
+    const std::size_t residuals = problem_.residuals().count();
+    if (residuals < problem_.map.free().size()) refuse_count(residuals, problem_.map.free().size());
+    const double unit = problem_.rule.unit;
+    if (!empty_) solution_ = frequency_search(problem_, extent.hopeless / (unit * unit), extent.settled);
+    if (!(solution_.is_of_means && options.loss == Loss::none)) finish();
+    seconds_ = since(begin_);
   }
 
-  const bool empty = detail::is_empty(data, options.component);
-  detail::GlobalSolution solution =
-      empty ? detail::GlobalSolution{}
-            : frequency_search(problem, extent.hopeless / (rule.unit * rule.unit), extent.settled);
-  FitResult result = describe_search(structure, residuals, solution);
-  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-  if (solution.starts_at_best == 0) {
-    describe_failure(result, structure, map,
-                     empty ? "The " + std::string(to_string(options.component)) +
-                                 " part of the data is 0 everywhere: there is nothing to fit."
-                           : "The model is not finite on these frequencies anywhere it was tried.");
-    result.seconds = seconds();
+  /// What the search has found: parameters and how it ended.  Errors are left out unless parameters depend on them; of
+  /// very many points the parameters are those of their means.
+  [[nodiscard]] FitResult found() {
+    const bool by_errors =
+        !problem_.priors.empty() || (extent_.recover && problem_.options.component != Component::both);
+    if (solution_.starts_at_best == 0 || by_errors) return described();
+    FitResult result = describe_search(problem_.structure, problem_.residuals(), solution_);
+    const std::vector<double> values = problem_.map.to_user(solution_.best.theta);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ParameterEstimate estimate{};
+      estimate.name = problem_.structure.parameter_names()[i];
+      estimate.value = values[i];
+      estimate.fixed = problem_.map.is_fixed(i);
+      result.parameters.push_back(std::move(estimate));
+    }
+    result.termination = solution_.best.converged ? FitTermination::converged : FitTermination::not_converged;
+    result.seconds = seconds_;
     return result;
   }
 
-  detail::LocalOptions local;
-  if (!solution.best.converged) {
-    detail::LocalOptions patient;
-    patient.iterations = 1000;
-    solution.best = local_solve(residuals, solution.best.theta, patient);
+  /// The whole result.
+  [[nodiscard]] FitResult described() {
+    if (!described_) described_ = describe();
+    return *described_;
   }
-  solution.best.theta =
-      map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
-  if (options.loss != Loss::none) {
-    const auto scale = options.loss_scale ? std::optional(*options.loss_scale / rule.unit) : std::nullopt;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] static double since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  }
+
+  [[nodiscard]] static detail::FrequencyProblem problem_of(const FrequencyResponseData& data,
+                                                           const Structure& structure, const FitOptions& options) {
+    check_coverage(data, options.realisation);
+    const std::size_t most_residuals = 2 * data.size();
+    const std::size_t least_free =
+        structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
+    if (least_free > most_residuals) refuse_count(most_residuals, least_free);
+    return detail::FrequencyProblem(data, structure, options);
+  }
+
+  /// Ends the search at the optimum of all points, with parts in order and under the loss.
+  void finish() {
+    const FitOptions& options = problem_.options;
+    if (solution_.is_of_means) refine_on_all(problem_, extent_.settled, solution_);
+    if (solution_.starts_at_best == 0) return;
+    detail::LocalSolution& best = solution_.best;
+    if (!best.converged) {
+      detail::LocalOptions patient;
+      patient.iterations = 1000;
+      best = local_solve(problem_.residuals(), best.theta, patient);
+    }
+    order_parts();
+    if (options.loss == Loss::none) return;
+    const auto scale = options.loss_scale ? std::optional(*options.loss_scale / problem_.rule.unit) : std::nullopt;
     if (options.global_start) {
-      local = robust_search_of_many(problem, scale, solution.best);
-      solution.best.theta =
-          map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
+      local_ = robust_search_of_many(problem_, scale, best);
+      order_parts();
     } else {
-      local = robust_refinement(residuals, options.loss, scale, solution.best);
+      local_ = robust_refinement(problem_.residuals(), options.loss, scale, best);
     }
   }
-  const detail::Confidence found = weighed_confidence(problem, solution.best, local);
-  result.message = ending(solution);
-  describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
-  const bool closely = solution.best.cost * rule.unit * rule.unit <= extent.hopeless;
-  if (extent.profiles && closely) follow_cost(result, problem, solution.best, found, extent.profiled);
-  if (extent.recover) {
-    recover_unseen(result, found, problem, solution.best.cost, [&](const FitOptions& rest) {
-      return fit_component(data, structure, rest, {false, extent.profiles && closely, closely ? everything : 0});
-    });
+
+  /// Of parts that can be interchanged the first is the one whose labels say so.
+  void order_parts() {
+    const detail::ParameterMap& map = problem_.map;
+    std::vector<double>& theta = solution_.best.theta;
+    theta = map.to_theta(
+        detail::with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(theta)));
   }
-  refuse_whole_orders(result, structure, options.realisation);
 
-  describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
-  const bool relative = options.weight == Weight::relative ||
-                        (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
-  result.message += detail::remark_on_zeros(data, options);
-  if (relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
-  result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.seconds = seconds();
-  return result;
-}
+  [[nodiscard]] FitResult describe() {
+    const Clock::time_point begin = Clock::now();
+    if (solution_.is_of_means) finish();
+    const FrequencyResponseData& data = problem_.data;
+    const Structure& structure = problem_.structure;
+    const FitOptions& options = problem_.options;
+    const detail::ResidualRule& rule = problem_.rule;
+    detail::Residuals& residuals = problem_.residuals();
+    FitResult result = describe_search(structure, residuals, solution_);
+    if (solution_.starts_at_best == 0) {
+      describe_failure(result, structure, problem_.map,
+                       empty_ ? "The " + std::string(to_string(options.component)) +
+                                    " part of the data is 0 everywhere: there is nothing to fit."
+                              : "The model is not finite on these frequencies anywhere it was tried.");
+      result.seconds = seconds_ + since(begin);
+      return result;
+    }
 
-/// fit_component(), with a floor told by the residuals of the fit before where one is wanted.
+    detail::LocalSolution& best = solution_.best;
+    const detail::Confidence found = weighed_confidence(problem_, best, local_);
+    result.message = ending(solution_);
+    describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
+    const bool closely = best.cost * rule.unit * rule.unit <= extent_.hopeless;
+    if (extent_.profiles && closely) follow_cost(result, problem_, best, found, extent_.profiled);
+    if (extent_.recover) {
+      recover_unseen(result, found, problem_, best.cost, [&](const FitOptions& rest) {
+        return ComponentFit(data, structure, rest, {false, extent_.profiles && closely, closely ? everything : 0})
+            .described();
+      });
+    }
+    refuse_whole_orders(result, structure, options.realisation);
+
+    describe_residuals(result, residuals, local_, found, best.theta, rule.unit);
+    const bool relative = options.weight == Weight::relative ||
+                          (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
+    result.message += detail::remark_on_zeros(data, options);
+    if (relative) remark_on_noisy_divisor(result, problem_, best.theta);
+    result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
+    result.seconds = seconds_ + since(begin);
+    return result;
+  }
+
+  const Clock::time_point begin_ = Clock::now();
+  const Extent extent_;
+  detail::FrequencyProblem problem_;
+  const bool empty_;  // the fitted component of the data
+  detail::FrequencySolution solution_;
+  detail::LocalOptions local_;
+  double seconds_ = 0;  // of the search
+  std::optional<FitResult> described_;
+};
+
+/// ComponentFit, with a floor told by the residuals of the fit before where one is wanted.
 FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                          Extent extent) {
   detail::require_function_of_s(structure);
   if (options.weight != Weight::learned || options.noise_floor) {
-    FitResult result = fit_component(data, structure, options, extent);
+    FitResult result = ComponentFit(data, structure, options, extent).described();
     if (options.weight == Weight::learned) result.noise_floor = *options.noise_floor;
     return result;
   }
-  FitResult result = fit_component(data, structure, options, extent);
+  ComponentFit relative(data, structure, options, extent);
+  FitResult result = relative.found();
   const auto floor_of = [&](const FitResult& of) {
     return of.termination == FitTermination::no_usable_start
                ? 0
                : detail::noise_floor(data, fitted_response(of, options.realisation, data.omega()), options.component);
   };
   double floor = floor_of(result);
-  if (floor == 0) return result;
-  FitResult relative = result;
+  if (floor == 0) return relative.described();
   // What relative weight has made of noise below the floor may be anything, so the first fit with one searches anew.
   constexpr double settled = 0.1;
   constexpr int most_rounds = 4;
   FitOptions next = options;
   for (int round = 0; round < most_rounds; ++round) {
     next.noise_floor = floor;
-    const FitResult quick = fit_component(data, structure, next, {false, false});
+    const FitResult quick = ComponentFit(data, structure, next, {false, false}).found();
     const double seconds = result.seconds + quick.seconds;
     if (quick.termination == FitTermination::no_usable_start) break;
     result = quick;
@@ -282,12 +350,12 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
     next = detail::started_at(options, quick);
     if (std::abs(again - floor) <= settled * floor) break;
     floor = again;
-    if (floor == 0) return relative;
+    if (floor == 0) return relative.described();
   }
   next.noise_floor = floor;
-  FitResult last = fit_component(data, structure, next, extent);
-  if (last.termination != FitTermination::converged && relative.termination == FitTermination::converged) {
-    return relative;
+  FitResult last = ComponentFit(data, structure, next, extent).described();
+  if (last.termination != FitTermination::converged && relative.described().termination == FitTermination::converged) {
+    return relative.described();
   }
   last.noise_floor = floor;
   last.starts = result.starts;
@@ -448,7 +516,7 @@ FitResult detail::refit(const FrequencyResponseData& data, const Structure& stru
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                                double hopeless, Profiled profiled) {
-  return fit_component(data, structure, options, {true, true, hopeless, profiled});
+  return ComponentFit(data, structure, options, {true, true, hopeless, profiled}).described();
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

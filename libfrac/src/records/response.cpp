@@ -173,9 +173,63 @@ std::string gaps_text(const Record& record) {
          (missing == 1 ? " sample" : " samples") + (count == 1 ? "" : " in all");
 }
 
+/// Pieces of each record between its gaps.
+using Stretches = std::vector<std::vector<Record>>;
+
+/// A period goes on over gaps; one of no whole number of samples is not followed, so that the longest stretch counts.
+ResponseEstimate periodic_over_gaps(const std::vector<Record>& records, const Stretches& parts, ResponseOptions told,
+                                    std::vector<std::string>& remarks) {
+  const Record& longest = longest_of(parts.front());
+  const auto period = told.period ? std::optional(*told.period / longest.sample_time()) : period_of(longest.drive());
+  const std::size_t whole = period ? detail::whole_samples(*period, longest.size()) : 0;
+  std::vector<Record> bridged;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (records[i].gaps().empty()) {
+      bridged.push_back(records[i]);
+    } else if (whole > 0) {
+      bridged.push_back(detail::joined(records[i], whole));
+      remarks.push_back("the record has " + gaps_text(records[i]) +
+                        ": the period goes on over it, and both sides count");
+    } else {
+      bridged.push_back(longest_of(parts[i]));
+      remarks.push_back(
+          "the record has " + gaps_text(records[i]) +
+          ", over which a period that is no whole number of samples is not followed: the longest stretch counts, " +
+          std::to_string(bridged.back().size()) + " samples");
+    }
+  }
+  if (whole > 0) told.period = static_cast<double>(whole) * longest.sample_time();
+  return response(bridged, told);
+}
+
+/// A segment of one frequency that goes on after a gap is one point.
+ResponseEstimate stepped_over_gaps(const std::vector<Record>& records, const Stretches& parts,
+                                   const ResponseOptions& told, std::vector<std::string>& remarks) {
+  ResponseEstimate result;
+  result.outputs.resize(records.front().outputs().size());
+  result.excitation = Excitation::stepped_sine;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    ResponseEstimate of_record;
+    of_record.outputs.resize(result.outputs.size());
+    for (const Record& part : parts[i]) {
+      const ResponseEstimate of_part = response({part}, told);
+      detail::join_segments(of_part.outputs, of_record.outputs);
+      result.periods += of_part.periods;
+      for (const auto& remark : of_part.remarks)
+        if (std::find(remarks.begin(), remarks.end(), remark) == remarks.end()) remarks.push_back(remark);
+    }
+    for (std::size_t output = 0; output < result.outputs.size(); ++output)
+      result.outputs[output].insert(result.outputs[output].end(), of_record.outputs[output].begin(),
+                                    of_record.outputs[output].end());
+    if (!records[i].gaps().empty())
+      remarks.push_back("the record has " + gaps_text(records[i]) + ": a segment that goes on after it is one point");
+  }
+  return result;
+}
+
 /// Of records some of which have gaps.
 ResponseEstimate response_over_gaps(const std::vector<Record>& records, const ResponseOptions& options) {
-  std::vector<std::vector<Record>> parts;
+  Stretches parts;
   for (const Record& record : records) {
     parts.push_back(detail::stretches(record));
     if (parts.back().empty())
@@ -184,60 +238,12 @@ ResponseEstimate response_over_gaps(const std::vector<Record>& records, const Re
   }
   ResponseOptions told = options;
   if (!told.excitation) told.excitation = told.period ? Excitation::periodic : excitation_of(longest_of(parts.front()));
+  if (*told.excitation == Excitation::arbitrary)
+    throw std::invalid_argument("the record has " + gaps_text(records.front()) +
+                                ", over which an arbitrary excitation does not go on; expected a record for each side");
   std::vector<std::string> remarks;
-  ResponseEstimate result;
-  switch (*told.excitation) {
-    case Excitation::arbitrary:
-      throw std::invalid_argument(
-          "the record has " + gaps_text(records.front()) +
-          ", over which an arbitrary excitation does not go on; expected a record for each side");
-    case Excitation::periodic: {
-      const Record& longest = longest_of(parts.front());
-      const auto period =
-          told.period ? std::optional(*told.period / longest.sample_time()) : period_of(longest.drive());
-      const std::size_t whole = period ? detail::whole_samples(*period, longest.size()) : 0;
-      std::vector<Record> bridged;
-      for (std::size_t i = 0; i < records.size(); ++i) {
-        if (records[i].gaps().empty()) {
-          bridged.push_back(records[i]);
-        } else if (whole > 0) {
-          bridged.push_back(detail::joined(records[i], whole));
-          remarks.push_back("the record has " + gaps_text(records[i]) +
-                            ": the period goes on over it, and both sides count");
-        } else {
-          bridged.push_back(longest_of(parts[i]));
-          remarks.push_back(
-              "the record has " + gaps_text(records[i]) +
-              ", over which a period that is no whole number of samples is not followed: the longest stretch counts, " +
-              std::to_string(bridged.back().size()) + " samples");
-        }
-      }
-      if (whole > 0) told.period = static_cast<double>(whole) * longest.sample_time();
-      result = response(bridged, told);
-      break;
-    }
-    case Excitation::stepped_sine:
-      result.outputs.resize(records.front().outputs().size());
-      result.excitation = Excitation::stepped_sine;
-      for (std::size_t i = 0; i < records.size(); ++i) {
-        ResponseEstimate of_record;
-        of_record.outputs.resize(result.outputs.size());
-        for (const Record& part : parts[i]) {
-          const ResponseEstimate of_part = response({part}, told);
-          detail::join_segments(of_part.outputs, of_record.outputs);
-          result.periods += of_part.periods;
-          for (const auto& remark : of_part.remarks)
-            if (std::find(remarks.begin(), remarks.end(), remark) == remarks.end()) remarks.push_back(remark);
-        }
-        for (std::size_t output = 0; output < result.outputs.size(); ++output)
-          result.outputs[output].insert(result.outputs[output].end(), of_record.outputs[output].begin(),
-                                        of_record.outputs[output].end());
-        if (!records[i].gaps().empty())
-          remarks.push_back("the record has " + gaps_text(records[i]) +
-                            ": a segment that goes on after it is one point");
-      }
-      break;
-  }
+  ResponseEstimate result = *told.excitation == Excitation::periodic ? periodic_over_gaps(records, parts, told, remarks)
+                                                                     : stepped_over_gaps(records, parts, told, remarks);
   result.remarks.insert(result.remarks.begin(), remarks.begin(), remarks.end());
   return result;
 }

@@ -37,11 +37,11 @@ std::vector<frac::PowerTerm> controller_powers(const ControlLoop& loop) {
   return powers;
 }
 
-std::vector<frac::PowerTerm> frequency_equation(const ControlLoop& loop, Harmonics harmonics) {
+std::vector<frac::PowerTerm> frequency_equation(const ControlLoop& loop, CountedHarmonics harmonics) {
   std::vector<frac::PowerTerm> equation = controller_powers(loop);
   for (frac::PowerTerm& term : equation) {
     term.coefficient *= frac::detail::quarter_turns(term.order).imag();
-    if (harmonics == Harmonics::all) term.coefficient *= dirichlet_lambda(3 - term.order);
+    if (harmonics == CountedHarmonics::all) term.coefficient *= dirichlet_lambda(3 - term.order);
   }
   equation.push_back(loss(loop));
   return equation;

@@ -163,7 +163,7 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
   }
   const auto off_line = [&](double omega) { return rigid_loop(loop, omega).imag() - pi / 4 * loss_ratio(loop); };
   if (loop.measured() == Output::x1 && loop.controller().delay() == 0 && !detail::controller_powers(loop).empty()) {
-    frequencies = detail::positive_roots(detail::frequency_equation(loop, detail::Harmonics::first));
+    frequencies = detail::positive_roots(detail::frequency_equation(loop, detail::CountedHarmonics::first));
     if (range) std::erase_if(frequencies, [&](double omega) { return omega < range->from || omega > range->to; });
   } else {
     frequencies = roots_of(loop, off_line, grid_of(loop, range));

@@ -73,7 +73,7 @@ bool SymmetricSearch::is_closed_form() const {
 
 bool SymmetricSearch::any_frequency() const {
   if (!is_closed_form()) return false;
-  const std::vector<frac::PowerTerm> equation = frequency_equation(*loop_, Harmonics::all);
+  const std::vector<frac::PowerTerm> equation = frequency_equation(*loop_, CountedHarmonics::all);
   return std::all_of(equation.begin(), equation.end(),
                      [](const frac::PowerTerm& term) { return term.coefficient == 0; });
 }
@@ -95,7 +95,7 @@ std::vector<double> SymmetricSearch::frequencies() const {
         rough_defect, [&](double omega) { return rate_defect(omega); },
         search_grid(range_, loop_->controller().delay()), rounding);
   }
-  std::vector<double> found = positive_roots(frequency_equation(*loop_, Harmonics::all));
+  std::vector<double> found = positive_roots(frequency_equation(*loop_, CountedHarmonics::all));
   std::erase_if(found, [&](double omega) { return omega < range_.from || omega > range_.to; });
   return found;
 }

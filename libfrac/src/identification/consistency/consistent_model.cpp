@@ -12,6 +12,7 @@
 
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "frac/identification/statistics.hpp"
 #include "triangle.hpp"
 
@@ -62,6 +63,7 @@ double aicc(const Problem& problem, double cost, Eigen::Index parameters) {
 }
 
 ConsistentModel made(const Problem& problem, const Eigen::MatrixXcd& tangent) {
+  throw_if_cancelled();
   ConsistentModel model;
   model.rest.orthonormal = PlainQr(rows(problem.weighted(tangent))).basis();
   return model;
@@ -328,6 +330,7 @@ ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach
 }
 
 double cost_on_grid(const Problem& problem, Eigen::Index poles, double reach) {
+  throw_if_cancelled();
   return Triangle(problem.weighted(grid_columns(problem, poles, reach)), problem.target).squared_distance(ends + poles);
 }
 

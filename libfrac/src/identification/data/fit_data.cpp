@@ -82,8 +82,8 @@ std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeF
   return residual;
 }
 
-std::size_t residuals_per_point(const FrequencyResponseData& data, const FitOptions& options) {
-  return residual_rule(data, options).per_point();
+std::size_t residuals_per_point(const FrequencyResponseData&, const FitOptions& options) {
+  return residuals_per_point(residual_form(options.component, options.weight));
 }
 
 FrequencyResponseData chosen_points(const FrequencyResponseData& data,

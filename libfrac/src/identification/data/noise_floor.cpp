@@ -68,6 +68,19 @@ struct Squares {
   std::vector<double> size, relative, absolute;
 };
 
+/// About `count` of them, spread evenly.
+Squares spread_over(const Squares& all, std::size_t count) {
+  // Odd, so that real and imaginary parts, which take turns, are both among them.
+  const std::size_t every = all.size.size() / count | 1;
+  Squares some;
+  for (std::size_t i = 0; i < all.size.size(); i += every) {
+    some.size.push_back(all.size[i]);
+    some.relative.push_back(all.relative[i]);
+    some.absolute.push_back(all.absolute[i]);
+  }
+  return some;
+}
+
 /// Sum of logarithms of numbers from 1e-30 to 1e30, eight of which take one logarithm.
 class LogSum {
  public:
@@ -220,13 +233,33 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   const double first = std::log(smallest / largest / 10), last = std::log(30.0);
   const auto try_floor = [&](double log_floor) {
     const double floor = std::exp(log_floor), here = likelihood(all, floor);
-    if (here <= highest) return;
-    highest = here;
-    best = floor;
+    if (here > highest) {
+      highest = here;
+      best = floor;
+    }
+    return here;
   };
   // A likelihood has no finer structure than the floor's own uncertainty, which is no less than a twentieth.
   const int steps = static_cast<int>(last - first) + 1;
-  for (int i = 0; i <= steps; ++i) try_floor(first + (last - first) * i / steps);
+  const auto step_at = [&](int i) { return first + (last - first) * i / steps; };
+  constexpr std::size_t enough = 40'000;
+  if (all.size.size() < 2 * enough) {
+    for (int i = 0; i <= steps; ++i) try_floor(step_at(i));
+  } else {
+    // Some of very many changes tell about where the likelihood of all is highest, which is climbed from there.
+    const Squares some = spread_over(all, enough);
+    int about = 0;
+    for (int i = 1; i <= steps; ++i)
+      if (likelihood(some, std::exp(step_at(i))) > likelihood(some, std::exp(step_at(about)))) about = i;
+    double here = try_floor(step_at(about));
+    for (const int side : {-1, 1}) {
+      for (int next = about + side; next >= 0 && next <= steps; next += side) {
+        const double there = try_floor(step_at(next));
+        if (!(there > here)) break;
+        here = there;
+      }
+    }
+  }
   if (best == 0) return 0;
   const double about = std::log(best);
   for (const double shift : {-0.75, -0.5, -0.25, 0.25, 0.5, 0.75}) try_floor(about + shift);

@@ -145,29 +145,6 @@ std::vector<double> deviation_of_repeats(const FrequencyResponseData& data) {
   return result;
 }
 
-ResidualForm form_of(Component component, Weight weight) {
-  const bool logarithmic = weight == Weight::log_complex;
-  switch (component) {
-    case Component::imaginary:
-    case Component::real:
-      if (logarithmic) {
-        throw std::invalid_argument(
-            "weight 'log-complex' compares magnitude and phase, so it takes component both, "
-            "magnitude or phase, not " +
-            std::string(to_string(component)));
-      }
-      return component == Component::real ? ResidualForm::real : ResidualForm::imaginary;
-    case Component::both:
-      return logarithmic ? ResidualForm::logarithmic : ResidualForm::cartesian;
-    case Component::magnitude:
-      return logarithmic || weight == Weight::relative || weight == Weight::learned ? ResidualForm::log_magnitude
-                                                                                    : ResidualForm::magnitude;
-    case Component::phase:
-      return ResidualForm::phase;
-  }
-  return ResidualForm::cartesian;
-}
-
 /// The standard deviation (or scale) the residual of a value is divided by.
 std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight, double floor) {
   std::vector<double> scale(data.size(), 1.0);
@@ -200,6 +177,29 @@ std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight, d
 
 }  // namespace
 
+ResidualForm residual_form(Component component, Weight weight) {
+  const bool logarithmic = weight == Weight::log_complex;
+  switch (component) {
+    case Component::imaginary:
+    case Component::real:
+      if (logarithmic) {
+        throw std::invalid_argument(
+            "weight 'log-complex' compares magnitude and phase, so it takes component both, "
+            "magnitude or phase, not " +
+            std::string(to_string(component)));
+      }
+      return component == Component::real ? ResidualForm::real : ResidualForm::imaginary;
+    case Component::both:
+      return logarithmic ? ResidualForm::logarithmic : ResidualForm::cartesian;
+    case Component::magnitude:
+      return logarithmic || weight == Weight::relative || weight == Weight::learned ? ResidualForm::log_magnitude
+                                                                                    : ResidualForm::magnitude;
+    case Component::phase:
+      return ResidualForm::phase;
+  }
+  return ResidualForm::cartesian;
+}
+
 ResidualRule residual_rule(const FrequencyResponseData& data, const FitOptions& options) {
   return residual_rule(data, options.component, options.weight, options.noise_floor.value_or(0));
 }
@@ -209,7 +209,7 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
     throw std::invalid_argument("noise floor = " + std::to_string(floor) + "; allowed is 0 or more, finite");
   }
 
-  ResidualRule rule{form_of(component, weight), {}, 1};
+  ResidualRule rule{residual_form(component, weight), {}, 1};
   const bool pure_number = rule.form == ResidualForm::log_magnitude || rule.form == ResidualForm::logarithmic;
   const bool by_magnitude = weight == Weight::relative || weight == Weight::learned;
   const bool all_zero = by_magnitude && smallest_magnitude(data) == 0;

@@ -23,6 +23,13 @@ enum class ResidualForm {
   phase,          // angle from data to model, in (-pi, pi]
 };
 
+[[nodiscard]] inline std::size_t residuals_per_point(ResidualForm form) noexcept {
+  return form == ResidualForm::cartesian || form == ResidualForm::logarithmic ? 2 : 1;
+}
+
+/// @throws std::invalid_argument  the weight does not go with the component.
+[[nodiscard]] ResidualForm residual_form(Component component, Weight weight);
+
 /// Form and weights of the residuals of one fit.
 struct ResidualRule {
   ResidualForm form;
@@ -33,9 +40,7 @@ struct ResidualRule {
   /// Where weights are 1/hypot(|datum|, floor), which the noise of the datum moves.
   std::optional<double> floor = {};
 
-  [[nodiscard]] std::size_t per_point() const noexcept {
-    return form == ResidualForm::cartesian || form == ResidualForm::logarithmic ? 2 : 1;
-  }
+  [[nodiscard]] std::size_t per_point() const noexcept { return residuals_per_point(form); }
   /// Residual(s) of one point; false where they do not exist.
   bool residual(std::size_t point, std::complex<double> model, std::complex<double> data, double* result) const;
   /// Residuals of all points in order, and their derivatives from those of the model by one variable.  False where one

@@ -4,18 +4,17 @@
 #include <optional>
 
 #include "base/linear_algebra.hpp"
-#include "reduced_jacobian.hpp"
+#include "linearisation.hpp"
 
 namespace frac::detail {
 
 std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
                                                  double times) {
-  std::vector<double> residual;
-  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
-  if (!jacobian) return {};
-  const auto [values, vectors] = right_singular_vectors(*jacobian);
+  const std::optional<Linearisation> at_best = linearised(residuals, solution.theta);
+  if (!at_best) return {};
+  const auto [values, vectors] = right_singular_vectors(at_best->reduced());
   std::vector<std::vector<double>> directions;
-  for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
+  for (Eigen::Index k = values.size(); k-- > 0;) {
     const Eigen::VectorXd direction = vectors.col(k) / vectors.col(k).lpNorm<Eigen::Infinity>();
     const double rise = values[k] * direction.norm();
     if (!(rise * rise <= times * solution.cost)) continue;

@@ -52,27 +52,23 @@ GlobalSolution search_from_start(FrequencyProblem& problem, const FewResiduals& 
 
 }  // namespace
 
-GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, double settled) {
+FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, double settled) {
   // First iterations stay quick on so many points, and see the same shape.
   const FewResiduals few(problem, thinned(problem.data, problem.rule, 500));
   const bool blind = problem.options.global_start && !problem.map.free().empty();
   LocalOptions options;
   options.cost_tolerance = settled;
-  GlobalSolution result =
-      blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
+  FrequencySolution result{blind ? search_from_nothing(problem, few, hopeless)
+                                 : search_from_start(problem, few, options)};
   if (result.starts_at_best == 0) return result;
-  // The way along a valley is gone on means of very many points; their optimum is that of all points to a small part of
-  // its standard errors.
+  // The way along a valley is gone on means of very many points.
   constexpr std::size_t bins = 10'000;
   if (problem.data.size() > 2 * bins) {
     if (auto means = binned(problem.data, problem.rule, bins)) {
       result.best = local_solve(FewResiduals(problem, std::move(*means)).residuals, result.best.theta, options);
-      // So near, steps need no damping, which would make many of the last few along a valley.
-      options.radius = 1e12;
-      // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
-      // standard error; sums of so many squares are known no better than some 1e-14.
-      constexpr double gain = 1e-6;
-      options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
+      result.is_of_means = true;
+      if (!std::isfinite(result.best.cost)) return {};
+      return result;
     }
   }
   if (few.points.data.size() < problem.data.size()) {
@@ -80,6 +76,19 @@ GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, doub
   }
   if (!std::isfinite(result.best.cost)) return {};
   return result;
+}
+
+void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution& solution) {
+  LocalOptions options;
+  // So near, steps need no damping, which would make many of the last few along a valley.
+  options.radius = 1e12;
+  // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
+  // standard error; sums of so many squares are known no better than some 1e-14.
+  constexpr double gain = 1e-6;
+  options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
+  solution.best = local_solve(problem.residuals(), solution.best.theta, options);
+  solution.is_of_means = false;
+  if (!std::isfinite(solution.best.cost)) solution = {};
 }
 
 }  // namespace frac::detail

@@ -6,11 +6,20 @@
 
 namespace frac::detail {
 
-/// The optimum of a fit to a frequency response: global_search() on a thinned copy of many points, finished on all;
-/// from the start values alone where options.global_start is off.
+struct FrequencySolution : GlobalSolution {
+  /// Whether it is the optimum of means of very many points over bins, which is that of all points to a small part of
+  /// its standard errors; see refine_on_all().
+  bool is_of_means = false;
+};
+
+/// The optimum of a fit to a frequency response: global_search() on a thinned copy of many points, finished on all, or
+/// of very many on their means; from the start values alone where options.global_start is off.
 /// @param hopeless  as global_search()
 /// @param settled   relative change of the cost at which a solve from start values ends
 /// @throws std::invalid_argument  a parameter without a start value where the search is off
-[[nodiscard]] GlobalSolution frequency_search(FrequencyProblem& problem, double hopeless, double settled);
+[[nodiscard]] FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, double settled);
+
+/// From the optimum of means to that of all points.
+void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution& solution);
 
 }  // namespace frac::detail

@@ -10,7 +10,7 @@
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/residuals/loss.hpp"
-#include "identification/search/reduced_jacobian.hpp"
+#include "identification/search/linearisation.hpp"
 #include "prior_weight.hpp"
 
 namespace frac::detail {
@@ -238,26 +238,27 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   const ParameterMap& map = residuals.map();
   Confidence result = nothing_known(map);
 
-  std::vector<double> residual;
-  std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
-  if (!jacobian) {
+  std::optional<Linearisation> at_best = linearised(residuals, solution.theta);
+  if (!at_best) {
     std::fill(result.identified.begin(), result.identified.end(), false);
     result.condition = std::numeric_limits<double>::infinity();
     return result;
   }
+  const std::vector<double>& residual = at_best->residual;
+  Eigen::MatrixXd jacobian = at_best->reduced();
   // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
   const Spread one = spread_of(residual, 1, options);
   const Eigen::MatrixXd priors = std::sqrt(one.variance / one.loss_unit) * prior_rows(residuals, solution.theta);
-  jacobian->conservativeResize(jacobian->rows() + priors.rows(), Eigen::NoChange);
-  jacobian->bottomRows(priors.rows()) = priors;
+  jacobian.conservativeResize(jacobian.rows() + priors.rows(), Eigen::NoChange);
+  jacobian.bottomRows(priors.rows()) = priors;
 
-  const Eigen::VectorXd norm = jacobian->colwise().norm();
+  const Eigen::VectorXd norm = jacobian.colwise().norm();
   std::vector<Eigen::Index> columns = inner_columns(map, solution.theta, norm, result);
   if (columns.empty()) {
     measure_spread(residuals, residual, options, result);
     return result;
   }
-  const InnerDirections inner(map, std::move(columns), norm, *jacobian, priors.rows());
+  const InnerDirections inner(map, std::move(columns), norm, jacobian, priors.rows());
   measure_rank(inner, result);
   measure_spread(residuals, residual, options, result);
 
@@ -265,9 +266,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   const Eigen::MatrixXd spread = inner.scaled(map.jacobian(values)) * inner.vectors * inner.inverse_sigma.asDiagonal();
   set_errors(map, values, inner, spread, result);
 
-  Eigen::MatrixXd full(static_cast<Eigen::Index>(residual.size()), norm.size());
-  residuals.evaluate(solution.theta, residual.data(), full.data());
-  const Eigen::MatrixXd fitted = inner.scaled(full);
+  const Eigen::MatrixXd fitted = inner.scaled(at_best->jacobian);
+  at_best->jacobian.resize(0, 0);
   result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
   result.influence = fitted * (inner.vectors * inner.inverse_sigma.asDiagonal() * spread.transpose());
   for (const std::size_t i : inner.parameter) {
