@@ -875,6 +875,9 @@ def identify(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    bounds: Limits = None,
+    folds: int | None = None,
+    bound: Limits = None,
 ) -> Identification:
     """Ranks structures on data and says whether they speak for a fractional order.
 
@@ -886,6 +889,11 @@ def identify(
         Formulas, presets and families such as ``"rational:1..8"``; all presets and families if empty.
     curves : mapping of str to array_like, optional
         Further candidates given by their values at the frequencies of the data.
+    bounds : mapping, optional
+        Limits of every candidate that is a preset or a formula and has the parameter.
+    folds : int, optional
+        Cross-validates each candidate: predicts each of so many blocks of neighbouring points from the others;
+        ``prediction_rms`` of each in the ranking.
     component, weight, loss, outliers, ...
         As of `fit`.
 
@@ -913,6 +921,8 @@ def identify(
         "earlier_input": earlier_input,
     }
     _refuse_idle(data, options, identify)
+    options |= {"bounds": _ranges(_by_name(_one_of(bounds, bound, "bounds", "bound"), "bounds", "NAME=LOW:HIGH") or {})}
+    options |= {"folds": None if folds is None else count(folds, "folds")}
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("said"), 4)
@@ -952,6 +962,8 @@ class Tuning(_Record, TuningNumbers):
     region : dict
         For a fit the worst of the plants of its joint 95 % region: plants, not_stable, max_sensitivity,
         max_complementary_sensitivity, least_phase_margin, lowest_crossover, highest_crossover, status and message.
+    plant : str
+        For a record of a relay experiment the formula of the plant that explains it best.
     motion, motion_regardless, regardless, constraints
         With a clearance the motion that persists (swing in m, omega, verified, cycles, simulations), that with the controller
         which regards no clearance, that controller, and what holds the answer where it is.
@@ -961,6 +973,7 @@ class Tuning(_Record, TuningNumbers):
     summary: str
     specification: list[tuple[str, float, float, bool]]
     controller: str
+    plant: str
     region: dict[str, Any]
     motion: dict[str, Any]
     motion_regardless: dict[str, Any]
@@ -1012,6 +1025,7 @@ def tune(
     load_receptance: Model | str | None = None,
     drive_receptance: Model | str | None = None,
     body: str = "x1",
+    from_relay: TimeSeries | Any = None,
 ) -> Tuning:
     """Gains and orders of a fractional PID for a plant.
 
@@ -1038,6 +1052,9 @@ def tune(
         The integrals are of a step response of length `horizon` (s).
     clearance, restitution, mass1, mass2, load_receptance, drive_receptance, body
         Two bodies with backlash, as of `limit_cycles`: no motion is to persist, or the smallest.
+    from_relay : TimeSeries, optional
+        In place of a plant samples of input and output of a relay experiment or any other: a lag, a fractional lag, a second
+        order, three equal lags or an integrator with lag, each with dead time, whichever explains them best; then as a fit.
 
     Examples
     --------
@@ -1046,8 +1063,8 @@ def tune(
     >>> found.usable, round(math.degrees(found.phase_margin), 6)
     (True, 60.0)
     """
-    if (plant is None) == (clearance is None):
-        raise ValueError("give either plant, a model or a fit, or clearance, of two bodies that are the plant")
+    if sum(each is not None for each in (plant, clearance, from_relay)) != 1:
+        raise ValueError("give one of plant, a model or a fit, of from_relay, a record, and of clearance, of two bodies that are the plant")
     if clearance is None:
         of_bodies = {
             "restitution": restitution,
@@ -1086,6 +1103,11 @@ def tune(
 
         bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
         return Tuning(_fitting.tune_with_backlash(bodies, specification, options))
+    if from_relay is not None:
+        record = data_of(from_relay, name="from_relay")
+        if not isinstance(record, TimeSeries):
+            raise ValueError(f"from_relay is of the type {type(record).__name__}; expected a TimeSeries, samples of input and output")
+        return Tuning(_fitting.tune_from_relay(record._arrays(), specification, options))
     if isinstance(plant, (FrequencyResponse, TimeSeries)):
         raise ValueError(f"plant is of the type {type(plant).__name__}; fit a model to it, and give the result: its region is kept in mind")
     if isinstance(plant, FitResult):
@@ -1145,6 +1167,8 @@ def identify_scene(
     weight: str | None = None,
     contact: str = "auto",
     friction: str = "none",
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
     threads: int = 0,
     fix: Known = None,
     bound: Limits = None,
@@ -1170,6 +1194,9 @@ def identify_scene(
         "auto" hold for both.
     friction : {"none", "auto", "estimate"}
         Dry friction of both masses: taken for none, estimated where the data tell it from none, or estimated always.
+    load_receptance, drive_receptance : Model or str, optional
+        Displacement per force of body 1 and 2, m/N, with names to estimate, such as "1/(m1 s^2 + b1 s)", instead of free
+        masses; `fixed` and `bounds` take these names, contacts are hard then.
 
     Examples
     --------
@@ -1185,7 +1212,14 @@ def identify_scene(
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
     chosen = weight_of(weight, curves, "relative")
+    receptances = {}
+    for name, given in (("load_receptance", load_receptance), ("drive_receptance", drive_receptance)):
+        receptances[name] = "" if given is None else Model(given).formula if isinstance(given, str) else given.formula
+    if any(receptances.values()) and (contact == "compliant" or friction != "none"):
+        wrong = "contact" if contact == "compliant" else "friction"
+        raise ValueError(f"{wrong} has no meaning with receptances, which know hard contacts and viscous friction only")
     request = {
+        **receptances,
         **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
         "body": text(body, "body"),
         "component": text(component, "component"),
