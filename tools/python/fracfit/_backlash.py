@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, text
+from ._arrays import body_of, count, number, one_of, pair, real_array, shape_of, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._tables import Table
@@ -202,7 +202,7 @@ def describing_function(
     has_receptances = any(each is not None for each in receptances)
     if protocol is None:
         protocol = "two-impact" if takes_time or has_receptances else "sweep-up"
-    shape = np.broadcast_shapes(*(np.shape(each) for each in scene.values()))
+    shape = shape_of(scene)
     lists = [
         np.ascontiguousarray(np.broadcast_to(real_array(value, name, ()).reshape(np.shape(value)), shape)).reshape(-1)
         for name, value in scene.items()
@@ -442,6 +442,9 @@ def orbits(
     >>> branch.symmetric, branch.impacts, bool(branch.stable.all())
     (True, 2, True)
     """
+    one_of(parameter, "parameter", ("omega", "force", "clearance", "restitution"))
+    if not number(start, "start") < number(stop, "stop"):
+        raise ValueError(f"start is {start:g}; it must be less than stop, {stop:g}")
     for name, value in (("omega", omega), ("restitution", restitution)):
         if value is None and parameter != name:
             raise ValueError(f"{name} has no value; it is needed where {parameter} changes")
@@ -459,7 +462,7 @@ def orbits(
         text(parameter, "parameter"),
         number(start, "start"),
         number(stop, "stop"),
-        text(body, "body"),
+        body_of(body),
         count(longest_period, "longest_period"),
         count(most_impacts, "most_impacts"),
         looked_at,
@@ -626,14 +629,14 @@ def _bodies(
         "drive_receptance": None if drive_receptance is None else _model(drive_receptance)._tf,
         "clearance": number(clearance, "clearance"),
         "restitution": number(restitution, "restitution"),
-        "body": text(body, "body"),
+        "body": body_of(body),
     }
 
 
 def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:
     return {
         "protocol": text(protocol, "protocol"),
-        "body": text(body, "body"),
+        "body": body_of(body),
         "tolerance": number(tolerance, "tolerance"),
         "mean_tolerance": number(mean_tolerance, "mean_tolerance"),
         "threads": count(threads, "threads"),

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Se
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
+from ._arrays import body_of, complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of, response_of
@@ -261,7 +261,9 @@ class FitResult(Table, FitResultNumbers):
         RuntimeError
             A refit went below the cost of the result, which is then no minimum.
         """
-        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, text(parameter, "parameter"))
+        if text(parameter, "parameter") not in self.parameters:
+            raise ValueError(f"the fit has no parameter {parameter!r}; it has {', '.join(self.parameters)}")
+        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, parameter)
         if better:
             raise RuntimeError(f"a refit with {parameter} held went below the cost of the result; fit again with another seed")
         return lower, upper
@@ -615,7 +617,7 @@ def weight_of(given: str | None, data: Sequence[FrequencyResponse | TimeSeries],
     """The weight that is told, else that of a sigma that was measured in all responses."""
     responses = [each for each in data if isinstance(each, FrequencyResponse)]
     measured = bool(responses) and all(each.sigma_is_measured for each in responses)
-    return given if given is not None else "given" if measured else otherwise
+    return text(given, "weight") if given is not None else "given" if measured else otherwise
 
 
 def _fitted_part(data: Any, component: Any) -> tuple[Any, Any]:
@@ -905,7 +907,10 @@ def identify(
     'fractional-lag'
     """
     data, component = _fitted_part(data_of(data), component)
-    names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
+    if isinstance(models, str):
+        # As the command line separates them; no formula has a comma.
+        models = [each.strip() for each in models.split(",")]
+    names = [_structure(each)[0] for each in ([models] if isinstance(models, Model) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,
         "weight": weight_of(weight, [data]),
@@ -1196,7 +1201,7 @@ def identify_scene(
         Dry friction of both masses: taken for none, estimated where the data tell it from none, or estimated always.
     load_receptance, drive_receptance : Model or str, optional
         Displacement per force of body 1 and 2, m/N, with names to estimate, such as "1/(m1 s^2 + b1 s)", instead of free
-        masses; `fixed` and `bounds` take these names, contacts are hard then.
+        masses; `fixed` and `bounds` take these names, values of a Model are starts, contacts are hard then.
 
     Examples
     --------
@@ -1211,17 +1216,23 @@ def identify_scene(
     forces = real_array(np.atleast_1d(force), "force")
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
+    for i, curve in enumerate(curves):
+        if curve.unit.lower() not in ("", "m/n", "m_per_n"):
+            raise ValueError(f"curves[{i}] has values in {curve.unit}; expected a motion over a force, in m/N")
     chosen = weight_of(weight, curves, "relative")
-    receptances = {}
+    receptances, starts = {"load_receptance": "", "drive_receptance": ""}, {}
     for name, given in (("load_receptance", load_receptance), ("drive_receptance", drive_receptance)):
-        receptances[name] = "" if given is None else Model(given).formula if isinstance(given, str) else given.formula
+        if given is not None:
+            model = given if isinstance(given, Model) else Model(given)
+            receptances[name] = model.formula
+            starts.update(model.parameters)
     if any(receptances.values()) and (contact == "compliant" or friction != "none"):
         wrong = "contact" if contact == "compliant" else "friction"
         raise ValueError(f"{wrong} has no meaning with receptances, which know hard contacts and viscous friction only")
     request = {
         **receptances,
-        **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
-        "body": text(body, "body"),
+        **_known(starts, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
+        "body": body_of(body),
         "component": text(component, "component"),
         "weight": text(chosen, "weight"),
         "sigma_is_measured": chosen == "given" and all(curve.sigma_is_measured for curve in curves),
@@ -1337,6 +1348,9 @@ def _warn(notes: Sequence[str], level: int = 3) -> None:
 _WORD = re.compile("[a-z][a-z_-]{3,}")
 
 
+# Elements side by side, "p(R1,C1)", or with numbers behind an underscore, "R_1-p(...)".
+_CIRCUIT_STRING = re.compile(r"(?<![A-Za-z0-9_])p\([^()]*,")
+
 _LAW_OF_ONE_PART = "component-power-law"
 
 
@@ -1347,6 +1361,8 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
         raise ValueError(
             f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset; Model(system) is that of another package"
         )
+    if _CIRCUIT_STRING.search(model):
+        raise ValueError(f"model {model!r} is a circuit string of impedance.py; write it as a formula of s, such as R0 + R1/(1 + R1 C1 s), or name a preset")
     if not _WORD.fullmatch(model):
         return model, {}
     if model == _LAW_OF_ONE_PART and not of_one_part:

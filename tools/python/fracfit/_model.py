@@ -26,8 +26,8 @@ def realisation_of(choice: Mapping[str, Any] | None) -> dict[str, Any]:
         return EXACT
     unknown = set(mapping(choice, "realisation")) - set(_REALISATION)
     if unknown or choice.get("name") is None:
-        wrong = f"no {sorted(unknown)[0]!r}" if unknown else "to have a name"
-        raise ValueError(f"realisation {dict(choice)!r} is expected {wrong}; it takes {', '.join(_REALISATION)}")
+        wrong = f"has no {sorted(unknown)[0]!r}" if unknown else "needs a name"
+        raise ValueError(f"realisation {wrong}; it takes {', '.join(_REALISATION)}, as in {{'name': 'oustaloup', 'band': (0.01, 100), 'poles': 9}}")
     return {key: _REALISATION[key](value, f"{key} of realisation") for key, value in choice.items() if value is not None}
 
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, seed_number, text
+from ._arrays import body_of, count, number, pair, real_array, seed_number
 from ._backlash import contact_or_none
 from ._data import TimeSeries
 from ._model import Model, _Record
@@ -144,9 +144,7 @@ class RigRecord(_Record, Table):
 
     def series(self, body: str = "x1") -> TimeSeries:
         """Force and position of one body, as `fracfit.response` and fits over time take them."""
-        if body not in ("x1", "x2"):
-            raise ValueError(f"body is {body!r}; expected x1 or x2")
-        return TimeSeries(self.time, self.force, getattr(self, body))
+        return TimeSeries(self.time, self.force, getattr(self, body_of(body)))
 
     def _columns(self) -> dict[str, Any]:
         return {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
@@ -327,7 +325,7 @@ def basins(
     positions = np.linspace(0, width, per_side) if position is None else real_array(np.atleast_1d(position), "position")
     velocities = np.linspace(-speed, speed, per_side) if velocity is None else real_array(np.atleast_1d(velocity), "velocity")
     return Basins(
-        _core.basins(scene, positions, velocities, text(body, "body"), count(threads, "threads"), reporter(progress, "basins"))
+        _core.basins(scene, positions, velocities, body_of(body), count(threads, "threads"), reporter(progress, "basins"))
     )
 
 

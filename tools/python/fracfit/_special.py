@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, number, real_array
+from ._arrays import complex_array, number, real_array, shape_of
 from ._words import named
 
 
@@ -45,7 +45,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, gamma: Any = 1.0, derivativ
     points = convert(z, "z", ())
     derivative = bool(derivative)
     shapes = np.shape(alpha), np.shape(beta), np.shape(z), np.shape(gamma)
-    shape = np.broadcast_shapes(*shapes)
+    shape = shape_of({"alpha": alpha, "beta": beta, "z": z, "gamma": gamma})
     thirds = real_array(gamma, "gamma", ())
     has_two = bool((thirds == 1).all())
     if shapes[:2] == ((), ()) and has_two and not derivative and shape:
@@ -91,4 +91,8 @@ def derivative(samples: Any, order: float, sample_time: float, *, tolerance: flo
     >>> fracfit.derivative([1, 1, 1, 1], 0.5, 1.0)
     array([1.    , 0.5   , 0.375 , 0.3125])
     """
-    return _core.derivative(real_array(samples, "samples"), number(order, "order"), number(sample_time, "sample_time"), number(tolerance, "tolerance"))
+    values = real_array(samples, "samples")
+    if not np.isfinite(values).all():
+        at = int(np.flatnonzero(~np.isfinite(values))[0])
+        raise ValueError(f"samples[{at}] is {values[at]}; expected finite numbers")
+    return _core.derivative(values, number(order, "order"), number(sample_time, "sample_time"), number(tolerance, "tolerance"))
