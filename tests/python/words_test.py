@@ -278,7 +278,7 @@ def test_curves_on_a_master_curve(tmp_path):
 
 def test_controllers_for_what_a_relay_shows(tmp_path):
     # Six periods of a relay on a lag with dead time 0.2 s, as steps of its exact step response, with noise of 0.5 %.
-    time = np.arange(0, 8, 0.05)
+    time = np.arange(0, 8, 0.1)
     relay = np.where((time // 0.7) % 2 == 0, 1.0, -1.0)
     exact = Model("2 exp(-0.2 s)/(s + 1)").respond(time, relay, hold="zero-order").output
     output = exact + 0.005 * np.random.default_rng(9).normal(size=time.size)
