@@ -394,7 +394,7 @@ TEST_F(MeasurementTest, LabviewMeasurementFiles) {
   std::string broken = labview("Separator\tTab\r\nX_Columns\tOne\r\n", spectrum);
   const auto place = broken.find("\r\n20\t3");
   const auto line = 1 + std::ranges::count(broken.substr(0, place + 2), '\n');
-  refuses(broken.replace(place, 6, "\r\n20\tx"), "file:" + std::to_string(line) + ":2: ");
+  refuses(broken.replace(place, 6, "\r\n20\tx"), "file:" + std::to_string(line) + ":4: ");
   // Samples over time: 0, 1, 2 ... N every 0.25 s, and half of that in m.
   std::string rows;
   for (int i = 0; i < 20; ++i) rows += "\t" + std::to_string(i) + "\t" + io::format_number(0.5 * i) + "\r\n";
