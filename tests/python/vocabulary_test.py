@@ -99,14 +99,12 @@ ELSEWHERE = {
 # These have no word yet: the compiled part does not take them.
 MISSING = {
     "approximate": {"amplification", "discretisation", "sample-time", "taps"},
-    "history": {"contact-damping", "contact-frequency", "contact-ratio", "contact-restitution", "contact-stiffness", "friction1", "friction2"}
-    | {"clip", "clock-jitter", "force-noise", "quantisation", "sample-time", "seed", "sensor-delay", "sensor-noise"},
+    "history": {"contact-damping", "contact-frequency", "contact-ratio", "contact-restitution", "contact-stiffness", "friction1", "friction2"},
     "identify": {"bound", "folds"},
     "identify-scene": {"drive-receptance", "load-receptance"},
     "joint-fit": {"master"},
     "jump-law": {"constants"},
     "limit-cycles": {"branches"},
-    "loop": {"clip", "clock-jitter", "force-noise", "quantisation", "record", "seed", "sensor-delay", "sensor-noise"},
     "mittag-leffler": {"gamma"},
     "orbits": {"basins-at"},
     "simulate": {"drive-receptance", "load-receptance"},

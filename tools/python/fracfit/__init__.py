@@ -39,7 +39,7 @@ from ._backlash import (
 )
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
-from ._motions import Basins, History, LoopMotion, basins, history, loop
+from ._motions import Basins, History, LoopMotion, RigRecord, basins, history, loop
 from ._model import Approximation, Margins, Model, Realisation, Stability, TimeResponse, approximate
 from ._records import Multisine, RecordResponse, multisine, response
 from ._special import derivative, mittag_leffler
@@ -120,6 +120,7 @@ __all__ = [
     "Realisation",
     "RecordResponse",
     "RegimeMap",
+    "RigRecord",
     "Stability",
     "TimeResponse",
     "TimeSeries",

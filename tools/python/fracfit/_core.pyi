@@ -160,6 +160,16 @@ def loop(controller: TransferFunction, bodies: dict[str, Any], options: dict[str
 def history(
     scene: tuple[float, ...], position: float | None, velocity: float, skip: int, periods: int, samples: int, /
 ) -> dict[str, Any]: ...
+def history_record(
+    scene: tuple[float, ...],
+    omega: list[float],
+    position: float | None,
+    velocity: float,
+    skip: int,
+    periods: int,
+    sensors: tuple[Any, ...],
+    /,
+) -> dict[str, Any]: ...
 def basins(
     scene: tuple[float, ...], position: np.ndarray, velocity: np.ndarray, body: str, threads: int, report: Report, /
 ) -> dict[str, Any]: ...

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, text
+from ._arrays import count, number, pair, real_array, seed_number, text
 from ._data import TimeSeries
 from ._model import Model, _Record
 from ._tables import Table
@@ -110,6 +110,43 @@ class LoopMotion(_Motion):
     note: str
 
 
+class RigRecord(_Record, Table):
+    """What a rig writes down of two masses with backlash, as its sensors read it; `response` takes it.
+
+    Attributes
+    ----------
+    time : ndarray
+        s, at equal steps, as the clock gives it.
+    force, x1, x2 : ndarray
+        N, m.
+    sample_time : float
+        s
+    complete : bool
+        False where the motion could not be followed to its end: of `history` nothing is left then.
+    """
+
+    time: np.ndarray
+    force: np.ndarray
+    x1: np.ndarray
+    x2: np.ndarray
+    sample_time: float
+    complete: bool
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.time.size
+
+    def _columns(self) -> dict[str, Any]:
+        return {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
+
+    def __repr__(self) -> str:
+        return f"RigRecord({self.size} samples, every {self.sample_time:g} s{'' if self.complete else ', not complete'})"
+
+    def _repr_html_(self) -> str:
+        return f"<p><strong>{self!r}</strong></p>"
+
+
 class Basins(_Record, Table):
     """Which long-run motion each start leads to.
 
@@ -150,7 +187,7 @@ class Basins(_Record, Table):
 
 @named
 def history(
-    omega: float,
+    omega: Any,
     *,
     restitution: float,
     force: float = 1.0,
@@ -161,18 +198,38 @@ def history(
     velocity: float = 0.0,
     skip: int = 0,
     periods: int = 5,
-    samples: int = 100,
-) -> History:
+    samples: int | None = None,
+    sample_time: float | None = None,
+    sensor_noise: float = 0.0,
+    force_noise: float = 0.0,
+    quantisation: float = 0.0,
+    clip: float = math.inf,
+    sensor_delay: float = 0.0,
+    clock_jitter: float = 0.0,
+    seed: int = 1,
+) -> History | RigRecord:
     """Positions and velocities of two masses with backlash under a sine force, exact at every impact.
+
+    With `sample_time` the record that a rig writes of it, for `response`.
 
     Parameters
     ----------
-    omega : float
-        rad/s, of the force, which is at its peak at time 0.
+    omega : float, or array_like of a record
+        rad/s, of the force, which is at its peak at time 0.  Several, one after the other, make a record of a stepped sine.
     position, velocity : float
         Of x2 - x1 at the start, m (mid-gap if not given) and m/s.
     skip, periods, samples : int
-        Force periods before the first row, and to follow from there; rows per period, besides two per impact.
+        Force periods before the first row, and to follow from there, at each frequency; rows per period (100), besides two per impact.
+    sample_time : float, optional
+        s: a record of force and positions at equal steps, no events.
+    sensor_noise, force_noise : float
+        Of a record: standard deviation of what is read of the positions (m) and of the force (N).
+    quantisation, clip : float
+        Of a record: step of the converter and largest position that is read, m.
+    sensor_delay, clock_jitter : float
+        Of a record: how late positions are, and the standard deviation of each instant, s.
+    seed : int
+        Of noise and jitter.
 
     Examples
     --------
@@ -180,11 +237,26 @@ def history(
     >>> motion = fracfit.history(20.0, restitution=0.6, force=40, clearance=0.3, skip=200, periods=2)
     >>> int((motion.event == "before-impact").sum())  # two in each period
     4
+    >>> rig = fracfit.history([20, 25, 30], restitution=0.6, force=40, clearance=0.3, periods=40, sample_time=1e-3, sensor_noise=1e-3)
+    >>> found = fracfit.response(rig, output="x1")
+    >>> scene = fracfit.identify_scene(found.frequency_response(), 40, fixed={"mass1": 1})
+    >>> bool(abs(scene["clearance"] - 0.3) < 0.002)
+    True
     """
-    scene = _scene(mass1, mass2, clearance, restitution, force, omega)
+    frequencies = real_array(np.atleast_1d(omega), "omega")
+    if frequencies.size == 0:
+        raise ValueError("omega has no entries; expected at least one frequency, rad/s")
+    if sample_time is None and frequencies.size > 1:
+        raise ValueError(f"omega has {frequencies.size} entries; expected one, or sample_time for a record of a stepped sine")
+    scene = _scene(mass1, mass2, clearance, restitution, force, frequencies[0])
     start = None if position is None else number(position, "position")
-    found = _core.history(scene, start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"), count(samples, "samples"))
-    return History(found)
+    speed, before, after = number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods")
+    sensors = _sensors(sample_time, "sample_time", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
+    if sensors is None:
+        return History(_core.history(scene, start, speed, before, after, 100 if samples is None else count(samples, "samples")))
+    if samples is not None:
+        raise ValueError("samples has no meaning with sample_time, which is the time between rows")
+    return RigRecord(_core.history_record(scene, frequencies.tolist(), start, speed, before, after, sensors))
 
 
 @named
@@ -254,7 +326,15 @@ def loop(
     tolerance: float = 1e-8,
     whole_memory: bool = False,
     impacts: int = 2000,
-) -> LoopMotion:
+    record: bool = False,
+    sensor_noise: float = 0.0,
+    force_noise: float = 0.0,
+    quantisation: float = 0.0,
+    clip: float = math.inf,
+    sensor_delay: float = 0.0,
+    clock_jitter: float = 0.0,
+    seed: int = 1,
+) -> LoopMotion | RigRecord:
     """Motion of a loop around two bodies with backlash: impacts, rests in contact, limits of the actuator.
 
     Parameters
@@ -281,6 +361,10 @@ def loop(
         Sums over all earlier impacts instead, exact; the work grows as their square.
     impacts : int
         To follow at most.
+    record : bool
+        What a rig writes of it instead, for `response`: force and positions every `every` seconds, no events.
+    sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed
+        Of a record, as of `history`.
 
     Examples
     --------
@@ -305,7 +389,13 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
+    if record and sample_time is not None:
+        raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
+    if record and not number(every, "every") > 0:
+        raise ValueError(f"every is {every:g}; a record needs the time between its samples, above 0")
+    sensors = _sensors(every if record else None, "record", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
     given = {
+        "sensors": sensors,
         "velocity1": number(velocity1, "velocity1"),
         "velocity2": number(velocity2, "velocity2"),
         "setpoint_step": number(setpoint_step, "setpoint_step"),
@@ -323,7 +413,24 @@ def loop(
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
     found = _core.loop(_model(controller)._tf, bodies, given)
-    return LoopMotion(found)
+    return LoopMotion(found) if sensors is None else RigRecord(found)
+
+
+def _sensors(sample_time: float | None, record: str, *errors: Any) -> tuple[Any, ...] | None:
+    """Errors of the sensors of a record; None where `record`, the word that asks for one, is not given."""
+    names = ("sensor_noise", "force_noise", "quantisation", "clip", "sensor_delay", "clock_jitter", "seed")
+    if sample_time is None:
+        for name, value, default in zip(names, errors, (0, 0, 0, math.inf, 0, 0, 1)):
+            if value != default:
+                raise ValueError(f"{name} has no meaning without {record}, which makes the result a record")
+        return None
+    numbers = [number(value, name) for name, value in zip(names[:-1], errors)]
+    for name, value in zip(names, numbers):
+        if name == "clip" and not value > 0:
+            raise ValueError(f"clip is {value:g}; allowed is above 0")
+        if name != "clip" and not 0 <= value < math.inf:
+            raise ValueError(f"{name} is {value:g}; allowed is a finite number from 0")
+    return (number(sample_time, record), *numbers, seed_number(errors[-1]))
 
 
 def _scene(*values: Any) -> tuple[float, ...]:

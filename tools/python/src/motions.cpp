@@ -9,8 +9,10 @@
 
 #include "arrays.hpp"
 #include "backlash/basins.hpp"
+#include "backlash/rig_record.hpp"
 #include "backlash/time_history.hpp"
 #include "parts.hpp"
+#include "rig.hpp"
 #include "run.hpp"
 
 namespace python {
@@ -23,21 +25,44 @@ backlash::TwoMassSystem system_of(const Scene& scene) {
   return {std::get<0>(scene), std::get<1>(scene), std::get<2>(scene), std::get<3>(scene)};
 }
 
+/// Where a motion is after some periods, followed in parts, so that their impacts need not all be kept; nothing where
+/// these hold more than can be followed.
+std::optional<backlash::RelativeState> skipped(const backlash::TwoMassSystem& system, double force, double omega,
+                                               backlash::RelativeState from, int periods) {
+  constexpr int part = 1000;
+  for (int left = periods; left > 0; left -= part) {
+    const auto before = backlash::simulate_impacts(system, force, omega, from, std::min(left, part));
+    if (!before.complete) return std::nullopt;
+    from = before.end;
+  }
+  return from;
+}
+
+// A record of a stepped sine, at the force of the scene.
+py::dict history_record(const Scene& scene, const std::vector<double>& omega, const std::optional<double>& position,
+                        double velocity, int skip, int periods, const Sensors& given) {
+  const backlash::TwoMassSystem system = system_of(scene);
+  const double force = std::get<4>(scene);
+  const backlash::RigSensors sensors = sensors_of(given);
+  const backlash::RelativeState start{position.value_or(0.5 * system.clearance()), velocity};
+  auto [record, complete] = result_of([&](frac::Progress&) {
+    const auto from = skipped(system, force, omega.at(0), start, skip);
+    if (!from) return std::pair(backlash::RigRecord{}, false);
+    const backlash::RigMotion motion = backlash::rig_motion(system, force, omega, *from, periods);
+    return std::pair(motion.complete ? rig_record(motion, sensors) : backlash::RigRecord{}, motion.complete);
+  });
+  return dict_of(std::move(record), sensors.sample_time, complete);
+}
+
 py::dict history(const Scene& scene, const std::optional<double>& position, double velocity, int skip, int periods,
                  int samples) {
-  // Parts that are followed at once before the first row, so that their impacts need not all be kept.
-  constexpr int part = 1000;
   const backlash::TwoMassSystem system = system_of(scene);
   const double force = std::get<4>(scene), omega = std::get<5>(scene);
   const backlash::RelativeState start{position.value_or(0.5 * system.clearance()), velocity};
-  const auto [motion, skipped] = result_of([&](frac::Progress&) {
-    backlash::RelativeState from = start;
-    for (int left = skip; left > 0; left -= part) {
-      const auto before = backlash::simulate_impacts(system, force, omega, from, std::min(left, part));
-      if (!before.complete) return std::pair(backlash::TimeHistory{{}, false, before.end}, false);
-      from = before.end;
-    }
-    return std::pair(backlash::time_history(system, force, omega, from, periods, samples), true);
+  const auto [motion, is_skipped] = result_of([&](frac::Progress&) {
+    const auto from = skipped(system, force, omega, start, skip);
+    if (!from) return std::pair(backlash::TimeHistory{{}, false, start}, false);
+    return std::pair(backlash::time_history(system, force, omega, *from, periods, samples), true);
   });
   const auto& rows = motion.rows;
   py::dict result;
@@ -52,7 +77,7 @@ py::dict history(const Scene& scene, const std::optional<double>& position, doub
     return !row.wall ? 0 : *row.wall == backlash::Wall::near ? 1 : 2;
   });
   result["complete"] = motion.complete;
-  result["usable"] = skipped;
+  result["usable"] = is_skipped;
   return result;
 }
 
@@ -96,6 +121,7 @@ py::dict basins(const Scene& scene, const Reals& position, const Reals& velocity
 void add_motions(py::module_& module) {
   using backlash::HistoryEvent;
   module.def("history", &history);
+  module.def("history_record", &history_record);
   module.attr("history_events") =
       py::tuple(words_of({HistoryEvent::sample, HistoryEvent::before_impact, HistoryEvent::after_impact,
                           HistoryEvent::rest_begin, HistoryEvent::release}));
