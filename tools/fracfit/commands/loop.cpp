@@ -136,7 +136,7 @@ class LoopCommand : public Command {
     }
     const backlash::ControlLoop loop = loop_.loop();
     const double every = options_of_run_.sample_time;
-    if (is_record_) options_of_run_.sample_time = every / backlash::rows_per_sample;
+    if (is_record_) options_of_run_.sample_time = every / backlash::loop_rows_per_sample;
     const backlash::LoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
     io::Metadata head{{"impacts", std::to_string(history.impacts.size())},
                       {"end", std::string(backlash::to_string(history.end))},
@@ -145,7 +145,7 @@ class LoopCommand : public Command {
       head.emplace_back("realisation_error", io::format_number(history.realisation_error));
     }
     if (is_record_)
-      write(text_of({head, record_.rows(backlash::rig_motion(history), every), {}}, format(), command_line()));
+      write(text_of({head, record_.rows(backlash::rig_motion(history.rows), every), {}}, format(), command_line()));
     else
       write_rows(history.rows, head);
     if (history.end == backlash::LoopEnd::rest) {

@@ -214,7 +214,7 @@ def history_record(
     velocity: float,
     skip: int,
     periods: int,
-    sensors: dict[str, Any],
+    sensors: tuple[Any, ...],
     /,
 ) -> dict[str, Any]: ...
 def basins(

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -121,36 +120,41 @@ class LoopMotion(_Motion):
 
 
 class RigRecord(_Record, Table):
-    """What the sensors of a rig read of a motion, at equal steps of time.
+    """What a rig writes down of two masses with backlash, as its sensors read it; `response` takes it.
 
     Attributes
     ----------
-    time, force, x1, x2 : ndarray
-        s, N and m.
-
-    Examples
-    --------
-    >>> import fracfit
-    >>> rig = fracfit.history(2.0, restitution=0.6, periods=20, sample_time=0.01, sensor_noise=1e-3)
-    >>> rig
-    RigRecord(6284 samples, 0 to 62.83 s)
-    >>> found = fracfit.response(rig.series("x1"))  # from the record, as of a real rig
+    time : ndarray
+        s, at equal steps, as the clock gives it.
+    force, x1, x2 : ndarray
+        N, m.
+    sample_time : float
+        s
+    complete : bool
+        False where the motion could not be followed to its end: of `history` nothing is left then.
     """
 
     time: np.ndarray
     force: np.ndarray
     x1: np.ndarray
     x2: np.ndarray
+    sample_time: float
+    complete: bool
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.time.size
 
     def series(self, body: str = "x1") -> TimeSeries:
-        """Force and position of one body, as `fracfit.response` and fits over time take them."""
+        """Force and position of one body, as fits over time take them."""
         return TimeSeries(self.time, self.force, getattr(self, body_of(body)))
 
     def _columns(self) -> dict[str, Any]:
         return {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
 
     def __repr__(self) -> str:
-        return f"RigRecord({self.time.size} samples, {self.time[0]:.6g} to {self.time[-1]:.6g} s)"
+        return f"RigRecord({self.size} samples, every {self.sample_time:g} s{'' if self.complete else ', not complete'})"
 
     def _repr_html_(self) -> str:
         return f"<p><strong>{self!r}</strong></p>"
@@ -264,12 +268,17 @@ def history(
     >>> motion = fracfit.history(20.0, restitution=0.6, force=40, clearance=0.3, skip=200, periods=2)
     >>> int((motion.event == "before-impact").sum())  # two in each period
     4
+    >>> rig = fracfit.history([20, 25, 30], restitution=0.6, force=40, clearance=0.3, periods=40, sample_time=1e-3, sensor_noise=1e-3)
+    >>> found = fracfit.response(rig, output="x1")
+    >>> scene = fracfit.identify_scene(found.frequency_response(), 40, fixed={"mass1": 1})
+    >>> bool(abs(scene["clearance"] - 0.3) < 0.002)
+    True
     """
     start = None if position is None else number(position, "position")
     contact = contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
     contacts = None if contact is None else tuple(number(value, name) for name, value in contact.items())
     followed = (start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"))
-    sensors = _sensors("sample_time", sample_time, sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
+    sensors = _sensors(sample_time, "sample_time", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
     held = (mass1, mass2, clearance, 1.0 if restitution is None else restitution, force)
     if sensors is not None:
         if samples is not None:
@@ -441,9 +450,11 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
-    sensors = _sensors("record", number(every, "every") if record else None, sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
-    if sensors is not None and sample_time is not None:
+    if record and sample_time is not None:
         raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
+    if record and not number(every, "every") > 0:
+        raise ValueError(f"every is {every:g}; a record needs the time between its samples, above 0")
+    sensors = _sensors(every if record else None, "record", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
     given = {
         "sensors": sensors,
         "velocity1": number(velocity1, "velocity1"),
@@ -463,29 +474,24 @@ def loop(
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
     found = _core.loop(_model(controller)._tf, bodies, given)
-    if sensors is None:
-        return LoopMotion(found)
-    if found["end"] != "duration":
-        warnings.warn(f"the record ends early, at {found['end_time']:g} s: {found['end']}", stacklevel=3)
-    return RigRecord({name: found[name] for name in ("time", "force", "x1", "x2")})
+    return LoopMotion(found) if sensors is None else RigRecord(found)
 
 
-def _sensors(asked_by: str, sample_time: float | None, *errors: Any) -> dict[str, Any] | None:
-    """How a rig reads its signals, as the compiled part takes it; None where no record is asked for."""
-    named_errors = dict(zip(("sensor_noise", "force_noise", "quantisation", "clip", "sensor_delay", "clock_jitter", "seed"), errors))
+def _sensors(sample_time: float | None, record: str, *errors: Any) -> tuple[Any, ...] | None:
+    """Errors of the sensors of a record; None where `record`, the word that asks for one, is not given."""
+    names = ("sensor_noise", "force_noise", "quantisation", "clip", "sensor_delay", "clock_jitter", "seed")
     if sample_time is None:
-        for name, value in named_errors.items():
-            if value != {"clip": math.inf, "seed": 1}.get(name, 0.0):
-                raise ValueError(f"{name} has no meaning without {asked_by}, which makes the output a record")
+        for name, value, default in zip(names, errors, (0, 0, 0, math.inf, 0, 0, 1)):
+            if value != default:
+                raise ValueError(f"{name} has no meaning without {record}, which makes the result a record")
         return None
-    if not 0 < number(sample_time, "sample_time") < math.inf:
-        what = "every" if asked_by == "record" else "sample_time"
-        raise ValueError(f"{what} is {sample_time:g}; a record needs the time between its samples, above 0")
-    sensors: dict[str, Any] = {name: number(value, name) for name, value in named_errors.items() if name != "seed"}
-    for name, value in sensors.items():
-        if not (value >= 0 and (name == "clip" or value < math.inf)) or (name == "clip" and value == 0):
-            raise ValueError(f"{name} is {value:g}; allowed is a finite number " + ("above 0" if name == "clip" else "from 0"))
-    return {**sensors, "sample_time": float(sample_time), "seed": seed_number(named_errors["seed"])}
+    numbers = [number(value, name) for name, value in zip(names[:-1], errors)]
+    for name, value in zip(names, numbers):
+        if name == "clip" and not value > 0:
+            raise ValueError(f"clip is {value:g}; allowed is above 0")
+        if name != "clip" and not 0 <= value < math.inf:
+            raise ValueError(f"{name} is {value:g}; allowed is a finite number from 0")
+    return (number(sample_time, record), *numbers, seed_number(errors[-1]))
 
 
 def _scene(*values: Any) -> tuple[float, ...]:

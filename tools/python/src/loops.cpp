@@ -15,8 +15,8 @@
 #include "described.hpp"
 #include "loop_parts.hpp"
 #include "parts.hpp"
+#include "rig.hpp"
 #include "run.hpp"
-#include "sensors.hpp"
 
 namespace python {
 namespace {
@@ -111,14 +111,17 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
   options.tolerance = number("tolerance");
   options.whole_memory = given["whole_memory"].cast<bool>();
   options.most_impacts = given["impacts"].cast<std::size_t>();
-  const bool is_record = !given["sensors"].is_none();
-  if (is_record) options.sample_time /= backlash::rows_per_sample;
+  const auto as_read = given["sensors"].cast<std::optional<Sensors>>();
+  if (as_read) options.sample_time /= backlash::loop_rows_per_sample;
   const backlash::LoopStart start{0, number("velocity1"), 0, number("velocity2")};
   const auto history =
       result_of([&](frac::Progress&) { return backlash::simulate_loop(loop, start, set_point, options); });
-  py::dict result = is_record ? dict_of_record(backlash::rig_record(backlash::rig_motion(history),
-                                                                    sensors_of(given["sensors"].cast<py::dict>())))
-                              : dict_of_rows(history.rows);
+  if (as_read) {
+    const backlash::RigSensors sensors = sensors_of(*as_read);
+    auto record = result_of([&](frac::Progress&) { return rig_record(backlash::rig_motion(history.rows), sensors); });
+    return dict_of(std::move(record), sensors.sample_time, history.end == backlash::LoopEnd::duration);
+  }
+  py::dict result = dict_of_rows(history.rows);
   result["impacts"] = history.impacts.size();
   result["end"] = std::string(backlash::to_string(history.end));
   result["end_time"] = history.end_time;

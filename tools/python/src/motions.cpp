@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -14,8 +13,8 @@
 #include "backlash/compliant/compliant_history.hpp"
 #include "backlash/time_history.hpp"
 #include "parts.hpp"
+#include "rig.hpp"
 #include "run.hpp"
-#include "sensors.hpp"
 
 namespace python {
 namespace {
@@ -108,13 +107,13 @@ py::dict compliant_history(const Scene& scene, const std::array<double, 4>& cont
 // What sensors read of the motion at one frequency after the other; `contact` where it takes time.
 py::dict history_record(const Scene& scene, const std::optional<std::array<double, 4>>& contact, const Reals& omegas,
                         const std::optional<double>& position, double velocity, int skip, int periods,
-                        const py::dict& given) {
+                        const Sensors& given) {
   const backlash::RigSensors sensors = sensors_of(given);
   const std::vector<double> omega = vector_of(omegas);
   const double force = std::get<4>(scene), clearance = std::get<2>(scene);
   const backlash::RelativeState start{position.value_or(0.5 * clearance), velocity};
-  auto record = result_of([&](frac::Progress&) {
-    const auto motion = [&] {
+  auto [record, complete] = result_of([&](frac::Progress&) {
+    const auto motion = [&]() -> std::optional<backlash::RigMotion> {
       if (contact) {
         const backlash::CompliantBodies bodies = bodies_of(scene, *contact);
         return backlash::rig_motion(bodies, force, omega,
@@ -122,15 +121,13 @@ py::dict history_record(const Scene& scene, const std::optional<std::array<doubl
                                     periods);
       }
       const auto from = state_after(system_of(scene), force, omega.front(), start, skip);
-      if (!from) throw std::runtime_error("the periods to skip hold more impacts than can be followed");
+      if (!from) return std::nullopt;
       return backlash::rig_motion(system_of(scene), force, omega, *from, periods);
     }();
-    if (!motion.complete)
-      throw std::runtime_error("no record: the motion can be followed to " + std::to_string(motion.x1.time.back()) +
-                               " s, where it has too many impacts in a period or leaves the range of numbers");
-    return backlash::rig_record(motion, sensors);
+    const bool is_whole = motion && motion->complete;
+    return std::pair(is_whole ? rig_record(*motion, sensors) : backlash::RigRecord{}, is_whole);
   });
-  return dict_of_record(std::move(record));
+  return dict_of(std::move(record), sensors.sample_time, complete);
 }
 
 py::dict basins(const Scene& scene, const Reals& position, const Reals& velocity, const std::string& body, int threads,

@@ -3,8 +3,7 @@
 
 namespace backlash {
 
-RigMotion rig_motion(const LoopHistory& history) {
-  const auto& rows = history.rows;
+RigMotion rig_motion(const std::vector<LoopRow>& rows) {
   RigMotion motion;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     motion.x1.add(rows[i].time, rows[i].x1, rows[i].v1);
