@@ -2,14 +2,13 @@
 """Words that options of the command line have here: each by the command line's own answer, and where there is one by a closed form."""
 
 import math
-import os
 
 import numpy as np
 import pytest
 
 import command_line
 import fracfit
-from fracfit import Model, TimeSeries
+from fracfit import Model
 
 SCENE = {"restitution": 0.6, "force": 40.0, "clearance": 0.3}
 GIVEN = [f"--{name}={value}" for name, value in SCENE.items()]
@@ -225,7 +224,8 @@ def test_records_of_motions():
     clean, noisy = (fracfit.history(20.0, **SCENE, **long, sensor_noise=noise) for noise in (0.0, 1e-3))
     assert np.std(noisy.x2 - clean.x2) == pytest.approx(1e-3, rel=5 / math.sqrt(2 * clean.time.size))
     assert np.abs(fracfit.history(20.0, **SCENE, **long, clip=0.05).x1).max() == 0.05
-    assert np.ptp(np.round(fracfit.history(20.0, **SCENE, **long, quantisation=1e-2).x1 / 1e-2) * 1e-2 - fracfit.history(20.0, **SCENE, **long, quantisation=1e-2).x1) < 1e-12
+    steps = fracfit.history(20.0, **SCENE, **long, quantisation=1e-2).x1 / 1e-2
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-12)
 
 
 def test_records_of_loops():
