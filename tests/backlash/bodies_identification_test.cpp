@@ -81,6 +81,18 @@ TEST(BodiesIdentification, FindsFrictionOfBothBodiesToRounding) {
   EXPECT_NEAR(found.bodies->system().clearance(), 0.3, 1e-9);
 }
 
+// 1/(m2 s^2) looks like a gain, which may have either sign; a mass has one.  Fewer parameters than above, and no worse
+// a condition.
+TEST(BodiesIdentification, FindsAMassThatStandsAlone) {
+  const BodiesStructure structure{frac::Structure("1/(s^2 + b1 s)"), frac::Structure("1/(m2 s^2)")};
+  const std::vector<double> values = {0.4, 1.2, 0.3, 0.6};
+  const BodiesIdentification found =
+      identify_bodies(simulated(structure.bodies(values), {20, 40}, 12.5, 20, 36, 8), structure, one_thread());
+  ASSERT_TRUE(found.usable()) << found.message;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_NEAR(found.parameters[i].value, values[i], 1e-9) << found.parameters[i].name;
+}
+
 // A spring with a damper, and friction of a fractional order, from the motion of the driven body.
 TEST(BodiesIdentification, FindsASpringAndFractionalFriction) {
   const BodiesStructure structure{frac::Structure("1/(2 s^2 + 3 s + k)"), frac::Structure("1/(m2 s^2 + c s^a)")};

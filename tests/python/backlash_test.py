@@ -73,7 +73,6 @@ def test_bits_of_map():
 def test_bits_of_map_with_contacts_that_take_time():
     found = command_line.columns_of(
         "map", "--contact-stiffness", "50,200", "--contact-damping", 1, "--friction1", 0.05, "--omega", "1.5,2,3",
-        "--protocol", "sweep-up",
     )  # fmt: skip
     table = fracfit.regime_map([1.5, 2.0, 3.0], contact_stiffness=[50.0, 200.0], contact_damping=1.0, friction1=0.05)
     assert table.response.shape == (2, 3)

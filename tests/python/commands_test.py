@@ -118,6 +118,21 @@ def test_motions_over_time():
             assert column.tolist() == theirs[name]
         else:
             same(column, theirs[name])
+    sensors = {"sensor_noise": 1e-3, "force_noise": 0.1, "quantisation": 5e-4, "clip": 0.2, "sensor_delay": 1e-3, "clock_jitter": 2e-5, "seed": 7}
+    read = [f"--{name.replace('_', '-')}={value}" for name, value in sensors.items()]
+    theirs = command_line.columns_of("history", *arguments, "--omega", "20,25", "--periods", 20, "--sample-time", 0.002, *read)
+    rig = fracfit.history([20.0, 25.0], **scene, periods=20, sample_time=0.002, **sensors)
+    for name, column in rig._columns().items():
+        same(column, theirs[name])
+    theirs = command_line.columns_of(
+        "loop", "--controller", "2 + s", "--restitution", 0.6, "--setpoint-sine", "1:0.5", "--duration", 20, "--every", 0.05, "--record", *read
+    )
+    for name, column in fracfit.loop("2 + s", restitution=0.6, setpoint_sine=(1, 0.5), duration=20, every=0.05, record=True, **sensors)._columns().items():
+        same(column, theirs[name])
+    # Arrays of the record say the same as the record.
+    whole, part = fracfit.response(rig), fracfit.response(input=rig.force, output=rig.x2, sample_time=rig.sample_time)
+    same(whole.response[1], part.response)
+    same(fracfit.response(rig, output="x2").sigma, part.sigma)
     theirs = command_line.columns_of("loop", "--controller", "1 + s^0.5", "--restitution", 0.6, "--velocity2", 1, "--duration", 20, "--every", 0.5)
     ours = fracfit.loop("1 + s^0.5", restitution=0.6, velocity2=1, duration=20, every=0.5)
     same(ours.x1, theirs["x1_m"])

@@ -184,6 +184,25 @@ def backlash() -> float:
     return constant + scene["restitution"]
 
 
+def rig() -> fracfit.RigRecord:
+    motion = fracfit.history(20.0, restitution=0.6, clearance=0.3, force=40, periods=1)
+    speeds: Floats = motion.v1
+    record = fracfit.history([20.0, 25.0], restitution=0.6, clearance=0.3, force=40, periods=2, sample_time=0.01, sensor_noise=1e-4, seed=2)
+    series: TimeSeries = record.series("x1")
+    closed = fracfit.loop("2 + s", restitution=0.6, velocity2=1.0, duration=2, every=0.1, record=True, quantisation=1e-3)
+    assert speeds.size and series.time.size == record.x1.size and closed.force.size > 10
+    return record
+
+
+def constants() -> list[float | None]:
+    found = fracfit.jump_law(constants=True, restitution=[0.5], criterion="contact-at-rest")
+    law = fracfit.jump_law(restitution=[0.5], force=[10, 20], clearance=[0.1, 0.2])
+    assert law.laws[0]["clearance"] == 0.1
+    digital = fracfit.approximate(0.5, (0.1, 100), tolerance=1e-2, sample_time=1e-3).digital
+    assert digital is not None and digital.rates.size == digital.feeds.size
+    return [row["similarity_constant"] for row in found.rows]
+
+
 def files(data: FrequencyResponse, folder: pathlib.Path) -> FrequencyResponse:
     path = folder / "cell.csv"
     data.to_csv(path)
@@ -207,6 +226,7 @@ def main() -> int:
     pid = loop_of(plant)
     record = over_time(Model("1/(0.5 s^0.7 + 1)"))
     print(pid.error, record.size, approximations(plant), backlash())
+    print(rig(), constants())
     many = fracfit.batch([data, data[5:]], "zarc", threads=1)
     columns: dict[str, Floats] = many.parameters
     print(columns["R1"], many.errors, fracfit.mittag_leffler(0.5, 1.0, -3.0), fracfit.derivative([1.0, 1.0], 0.5, 1.0))

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <map>
 #include <numbers>
 #include <random>
 #include <string>
@@ -220,9 +221,17 @@ inline frac::Record simulated_record(RecordCase which, std::size_t periods, std:
 /// How many of the 95 % intervals of real and imaginary parts hold the exact response.
 struct RecordCoverage {
   int held = 0, whole = 0, flagged = 0;
-  int recognised = 0, records = 0;  // kind of excitation, and the period to a thousandth
-  double squares = 0;               // of errors over sigma
+  int recognised = 0, records = 0;            // kind of excitation, and the period to a thousandth
+  double squares = 0;                         // of errors over sigma
+  std::map<int, std::array<int, 2>> of_line;  // held and whole, by line of the period of 128 samples
   [[nodiscard]] double percent() const { return 100.0 * held / std::max(whole, 1); }
+
+  /// Of the line of which the fewest hold.
+  [[nodiscard]] double percent_of_worst_line() const {
+    double least = 100;
+    for (const auto& [line, counts] : of_line) least = std::min(least, 100.0 * counts[0] / counts[1]);
+    return least;
+  }
 
   void count(RecordCase which, std::size_t periods, std::mt19937_64& generator) {
     const frac::Record record = simulated_record(which, periods, generator);
@@ -251,8 +260,12 @@ struct RecordCoverage {
                   return std::abs(a * turns - 1) < std::abs(b * turns - 1);
                 });
       const auto error = point.value - filter.response(turns);
-      held += std::abs(error.real()) <= point.half_width_re();
-      held += std::abs(error.imag()) <= point.half_width_im();
+      const int here = (std::abs(error.real()) <= point.half_width_re() ? 1 : 0) +
+                       (std::abs(error.imag()) <= point.half_width_im() ? 1 : 0);
+      held += here;
+      auto& line = of_line[static_cast<int>(std::lround(128 * turns))];
+      line[0] += here;
+      line[1] += 2;
       squares += std::norm(error) / (2 * point.sigma * point.sigma);
       whole += 2;
     }

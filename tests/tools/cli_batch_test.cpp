@@ -430,6 +430,50 @@ TEST_F(Batch, TakesBackThePointsThatFitTakesBack) {
   }
 }
 
+// A lag with noise of very unequal size, once with deviations that the head calls measured, once without: a batch
+// weighs each curve as fit does, so that costs and parameters are those of fit, and --weight says otherwise.
+TEST(BatchOutliers, MeasuredDeviationsWeighAsInFit) {
+  const TemporaryFolder folder;
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> normal;
+  std::ostringstream rows;
+  rows.precision(12);
+  rows << "omega_rad_s,re,im,sigma\n";
+  for (int i = 0; i < 40; ++i) {
+    const double omega = std::pow(10.0, -1 + i * 2.0 / 39), sigma = i % 2 == 0 ? 1e-4 : 0.02;
+    const auto value = 1.0 / std::complex<double>(1, omega);
+    rows << omega << ',' << value.real() + sigma * normal(generator) << ',' << value.imag() + sigma * normal(generator)
+         << ',' << sigma << '\n';
+  }
+  const auto measured = folder.write("measured.csv", "# sigma: measured\n" + rows.str());
+  const auto plain = folder.write("plain.csv", rows.str());
+  const auto row_of = [](const ProgramResult& batch, std::size_t i) {
+    EXPECT_EQ(batch.code, 0) << batch.error;
+    return Json::parse(lines_of(batch.output).at(1 + i));
+  };
+  const auto batch = run_fracfit({"batch", measured, plain, "--model", "K/(T s + 1)", "--format", "jsonl"});
+  const auto told =
+      run_fracfit({"batch", measured, plain, "--model", "K/(T s + 1)", "--weight", "relative", "--format", "jsonl"});
+  std::size_t i = 0;
+  for (const auto& file : {measured, plain}) {
+    for (const bool is_told : {false, true}) {
+      std::vector<std::string> arguments{"fit", file, "--model", "K/(T s + 1)", "--format", "json"};
+      if (is_told) arguments.insert(arguments.end(), {"--weight", "relative"});
+      const auto fit = Json::parse(run_fracfit(arguments).output);
+      const auto row = row_of(is_told ? told : batch, i);
+      // The second curve begins at the answer of the first one: searches end alike to 1e-12 of the cost a step.
+      EXPECT_NEAR(row["cost"].get<double>() / fit["cost"].get<double>(), 1, 1e-10) << file;
+      const bool is_weighed = file == measured && !is_told;
+      EXPECT_EQ(row["message"].get<std::string>().find("sigma, which was measured") != std::string::npos, is_weighed);
+      if (is_weighed) {
+        // Twenty points of both parts at 1e-4 tell K to about 1e-4/sqrt(20).
+        EXPECT_LT(row["K_standard_error"].get<double>(), 1e-4);
+      }
+    }
+    ++i;
+  }
+}
+
 TEST_F(Batch, RowsLeftOutOfALawAreCounted) {
   std::filesystem::create_directory(folder.path("mixed"));
   folder.write("mixed/a.csv", curve(2, 0.7, 1));

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <regex>
@@ -26,6 +27,7 @@
 #include "io/frequency_response_file.hpp"
 #include "io/immittance.hpp"
 #include "io/number.hpp"
+#include "io/record_file.hpp"
 #include "io/zip_archive.hpp"
 #include "temporary_folder.hpp"
 
@@ -342,6 +344,74 @@ TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {
       universal_head("    58b     1     2          11  8000000000     0     0           0           0", 4, 5, 2, true),
       "declares 8000000000 bytes");
   refuses(universal_head("    58", 1, 5, 1, true) + "  1.0e+00  1.0e+00\n    -1\n", "without a frequency response");
+}
+
+// Written with the library of HDF5 alone, in the layout of save -v7.3: vectors f_Hz (3 by 1), gain (single), a complex
+// Z_ohm (1 by 3, parts "real" and "imag") and a matrix, behind a block of 512 bytes.
+TEST_F(MeasurementTest, MatFilesOfHdf5) {
+  std::ifstream file(std::string(FRACFIT_SOURCE_DIR) + "/tests/tools/vectors_of_hdf5.mat", std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_TRUE(whole.starts_with("MATLAB 7.3"));
+  expect(whole, "MAT-file, 3 points, Z_ohm", {{1, 2.0 - 1i}, {10, 1.5 - 0.5i}, {100, 1.0 - 0.25i}});
+  // Cut off anywhere it is refused.
+  for (std::size_t length = 130; length < whole.size(); length += 250) refuses(whole.substr(0, length), "MAT-file");
+}
+
+// After National Instruments' specification of the format, version 2.
+std::string labview(const std::string& head, const std::string& segments) {
+  return "LabVIEW Measurement\t\r\nWriter_Version\t2\r\nReader_Version\t2\r\n" + head +
+         "Date\t2026/01/02\r\nTime\t11:30:00,5\r\n***End_of_Header***\t\r\n\t\r\n" + segments;
+}
+
+TEST_F(MeasurementTest, LabviewMeasurementFiles) {
+  const std::string spectrum =
+      "Channels\t2\t\r\nSamples\t2\t2\r\nY_Unit_Label\tohm\tohm\r\nX_Dimension\tFrequency\tFrequency\r\n"
+      "X0\t0\t0\r\nDelta_X\t10\t10\r\n***End_of_Header***\t\t\r\n"
+      "X_Value\tre\tim\tComment\r\n10\t1.5\t-2.5\twarm\r\n20\t3\t4\r\n";
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  const auto read_points = [&](const std::string& content, const std::string& said) {
+    expect(content, "text is " + said, points);
+  };
+  read_points(labview("Separator\tTab\r\nMulti_Headings\tNo\r\nX_Columns\tOne\r\n", spectrum),
+              "a LabVIEW measurement file");
+  // A further segment is told; a special block is none.
+  read_points(labview("Separator\tTab\r\nMulti_Headings\tYes\r\nX_Columns\tOne\r\n",
+                      "***Start_Special***\r\nX_Value\tno\r\n***End_Special***\r\n" + spectrum + "\r\n" + spectrum),
+              "the first of 2 segments of a LabVIEW measurement file");
+  // Decimal commas; an axis for each channel, the same here.
+  read_points(
+      labview("Separator\tTab\r\nDecimal_Separator\t,\r\nX_Columns\tMulti\r\n",
+              "Channels\t2\r\nX_Dimension\tFrequency\tFrequency\r\n***End_of_Header***\r\n"
+              "X_Value\tre [ohm]\tX_Value 1\tim [ohm]\tComment\r\n10,0\t1,5\t10,0\t-2,5\r\n20,0\t3\t20,0\t4\r\n"),
+      "a LabVIEW measurement file");
+  // No axis but its beginning and its step; commas between the fields.
+  std::string commas = labview("Separator\tComma\r\nX_Columns\tNo\r\n",
+                               "Channels\t2\r\nX_Dimension\tFrequency\tFrequency\r\nX0\t10\t10\r\nDelta_X\t10\t10\r\n"
+                               "***End_of_Header***\r\nX_Value\tre_ohm\tim_ohm\tComment\r\n\t1.5\t-2.5\r\n\t3\t4\r\n");
+  std::ranges::replace(commas, '\t', ',');
+  read_points(commas, "a LabVIEW measurement file");
+  // A field that is no number is told by its line in the file.
+  std::string broken = labview("Separator\tTab\r\nX_Columns\tOne\r\n", spectrum);
+  const auto place = broken.find("\r\n20\t3");
+  const auto line = 1 + std::ranges::count(broken.substr(0, place + 2), '\n');
+  refuses(broken.replace(place, 6, "\r\n20\tx"), "file:" + std::to_string(line) + ":4: ");
+  // Samples over time: 0, 1, 2 ... N every 0.25 s, and half of that in m.
+  std::string rows;
+  for (int i = 0; i < 20; ++i) rows += "\t" + std::to_string(i) + "\t" + io::format_number(0.5 * i) + "\r\n";
+  io::RecordReadOptions how;
+  how.columns = "input=Force[N],output=Gauge[m]";
+  const auto record = io::read_record(
+      folder.write("record",
+                   labview("Separator\tTab\r\nX_Columns\tNo\r\n",
+                           "Channels\t2\r\nY_Unit_Label\tN\tm\r\nX_Dimension\tTime\tTime\r\nX0\t0\t0\r\n"
+                           "Delta_X\t0.25\t0.25\r\n***End_of_Header***\r\nX_Value\tForce\tGauge\tComment\r\n" +
+                               rows)),
+      how);
+  EXPECT_EQ(record.record.sample_time(), 0.25);
+  EXPECT_EQ(record.record.input().at(19), 19);
+  EXPECT_EQ(record.record.outputs().at(0).at(19), 9.5);
+  // Without rows it is a table that holds none.
+  refuses(labview("Separator\tTab\r\nX_Columns\tOne\r\n", ""), "");
 }
 
 TEST_F(MeasurementTest, MatFilesOfLevelFive) {

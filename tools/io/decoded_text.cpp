@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/labview.hpp"
 #include "io/workbook.hpp"
 
 namespace io {
@@ -107,9 +108,7 @@ DecodedText made(std::string text, std::string note) {
   return {std::make_shared<const std::string>(std::move(text)), std::move(note)};
 }
 
-}  // namespace
-
-DecodedText decoded(std::shared_ptr<const std::string> bytes) {
+DecodedText utf8_of(std::shared_ptr<const std::string> bytes) {
   const std::string_view view = *bytes;
   if (auto sheet = first_sheet(view)) {
     DecodedText result =
@@ -124,9 +123,20 @@ DecodedText decoded(std::shared_ptr<const std::string> bytes) {
   if (view.starts_with("\xFE\xFF")) return made(from_utf16(view.substr(2), true), "UTF-16");
   const Utf16 kind = utf16_without_mark(view);
   if (kind != Utf16::none) return made(from_utf16(view, kind == Utf16::big_endian), "UTF-16");
-  if (view.starts_with("\xEF\xBB\xBF")) return decoded(made(std::string(view.substr(3)), "").text);
+  if (view.starts_with("\xEF\xBB\xBF")) return utf8_of(made(std::string(view.substr(3)), "").text);
   if (!is_utf8(view)) return made(from_latin1(view), "Latin-1");
   return {std::move(bytes), ""};
+}
+
+}  // namespace
+
+DecodedText decoded(std::shared_ptr<const std::string> bytes) {
+  DecodedText text = utf8_of(std::move(bytes));
+  auto segment = labview_segment(*text.text);
+  if (!segment) return text;
+  return made(std::move(segment->text), segment->segments == 1 ? "a LabVIEW measurement file"
+                                                               : "the first of " + std::to_string(segment->segments) +
+                                                                     " segments of a LabVIEW measurement file");
 }
 
 }  // namespace io

@@ -14,7 +14,8 @@ struct DecodedText {
 };
 
 /// Takes away a byte-order mark, turns UTF-16 (with a mark, or told by its zero bytes) into UTF-8, and takes what is no
-/// UTF-8 as Latin-1.  Of a workbook it is the text of a sheet, see workbook.hpp.  Never fails: half a character at the
+/// UTF-8 as Latin-1.  Of a workbook it is the text of a sheet, see workbook.hpp,
+/// of a LabVIEW measurement file that of a segment, see labview.hpp.  Never fails: half a character at the
 /// end, as in a file cut off, becomes a question mark.
 [[nodiscard]] DecodedText decoded(std::shared_ptr<const std::string> bytes);
 

@@ -52,16 +52,16 @@ std::string foreign_format(std::string_view bytes) {
   if (bytes.starts_with("BIO-LOGIC MODULAR FILE"))
     return "is EC-Lab's binary format (.mpr); expected its text: in EC-Lab, Experiment, Export as Text writes .mpt";
   if (has(head, "Version=11") && has(head, std::string_view("\0", 1)))
-    return "is IviumSoft's binary format (.idf); expected its text: in IviumSoft, File, Data processing, Save as "
-           "writes a table";
+    return "is IviumSoft's binary format (.idf); expected a table, which IviumSoft exports as text";
   // JSON of PSTrace, as text or in UTF-16.
   if (has(head, "PalmSens") || has(head, std::string_view("P\0a\0l\0m\0S\0e\0n\0s\0", 16)))
-    return "is a session of PSTrace (.pssession); expected a table: in PSTrace, Data, Export data to CSV";
+    return "is a session of PSTrace (.pssession); expected a table, which PSTrace exports as CSV";
   if (bytes.starts_with("TDSm"))
-    return "is National Instruments' TDMS; expected a table: Excel's TDM add-in or LabVIEW's Write To Measurement File "
-           "write one";
+    return "is National Instruments' TDMS; expected a table, as Excel's TDM add-in makes one, or text (.lvm), as "
+           "LabVIEW's Write "
+           "To Measurement File writes it";
   if (bytes.starts_with("\x89HDF\r\n\x1A\n"))
-    return "is an HDF5 file; expected a table, or a MAT-file, as MATLAB and Octave save it with -v7";
+    return "is an HDF5 file; expected a table, or a MAT-file, as MATLAB and Octave save one with -v7";
   if (bytes.starts_with("\xD0\xCF\x11\xE0"))
     return "is a workbook of the old kind (.xls) or another file of Office; expected .xlsx, or a sheet saved as CSV";
   if (bytes.starts_with("PK\x03\x04")) {
@@ -133,10 +133,9 @@ Measurement read_measurement(const std::string& file, const MeasurementOptions& 
   auto found = recognised({measurement.file, *bytes, text.text, how.frequency_unit}, how);
   if (!found) {
     if (is_binary(*text.text))
-      throw DataError(
-          measurement.file, 0, 0,
-          "is no text, and no binary file of a known kind (universal file 58b, MAT-file of level 5); expected "
-          "a table, as a spreadsheet saves it as CSV");
+      throw DataError(measurement.file, 0, 0,
+                      "is no text, and no binary file of a known kind (universal file 58b, MAT-file); expected "
+                      "a table, as a spreadsheet saves it as CSV");
     measurement.sweeps.push_back({"", false, std::make_shared<const TextTable>(measurement.file, text.text), {}});
     return measurement;
   }

@@ -125,4 +125,34 @@ CompliantHistory compliant_history(const CompliantBodies& bodies, double force_a
   return history;
 }
 
+LoopStart start_about_mean(const TwoMassSystem& system, double force_amplitude, double omega,
+                           const RelativeState& start) {
+  const double total = system.mass1() + system.mass2();
+  const double centre = -force_amplitude / (total * omega * omega);
+  const double share1 = system.mass2() / total, share2 = system.mass1() / total;
+  // Bodies of a loop count the gap from its middle.
+  return {centre - share1 * start.position, 0 - share1 * start.velocity,
+          centre + share2 * start.position - 0.5 * system.clearance(), share2 * start.velocity};
+}
+
+RigMotion rig_motion(const CompliantBodies& bodies, double force_amplitude, const std::vector<double>& omega,
+                     const LoopStart& start, int skip, int periods) {
+  RigMotion motion{stepped_sine_force(force_amplitude, omega, periods, rig_steps), {}, {}, true};
+  double begin = 0;
+  LoopStart state = start;
+  for (const double each : omega) {
+    const auto part =
+        compliant_history(bodies, force_amplitude, each, state, begin == 0 ? skip : 0, periods, rig_steps);
+    for (const CompliantRow& row : part.rows) {
+      motion.x1.add(begin + row.time, row.x1, row.v1);
+      motion.x2.add(begin + row.time, row.x2, row.v2);
+    }
+    motion.complete = part.complete;
+    if (!part.complete) break;
+    state = part.end;
+    begin += periods * 2 * std::numbers::pi / each;
+  }
+  return motion;
+}
+
 }  // namespace backlash

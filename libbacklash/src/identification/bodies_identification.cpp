@@ -9,6 +9,7 @@
 
 #include "base/short_text.hpp"
 #include "bodies_model.hpp"
+#include "frac/identification/constraints.hpp"
 #include "frac/parallel_for.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "scene_adequacy.hpp"
@@ -75,6 +76,12 @@ std::vector<frac::ParameterConstraint> with_defaults(const frac::Structure& join
     if (joint.parameter_roles()[i] == frac::ParameterRole::order) {
       limit(joint.parameter_names()[i], 0, largest_order);
     }
+  }
+  // A mass that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
+  for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
+    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient) continue;
+    frac::ParameterConstraint& each = frac::constraint_of(constraints, joint.parameter_names()[i]);
+    if (!each.lower && !each.fixed) each.positive = true;
   }
   return constraints;
 }

@@ -74,25 +74,37 @@ struct Solution {
   [[nodiscard]] double variance() const { return left.squaredNorm() / degrees; }
 };
 
-Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& right) {
+/// Columns of complex equations as those of real ones, of one size, because each has a unit of its own.
+struct RealColumns {
+  Eigen::MatrixXd columns;
+  Eigen::VectorXd sizes;
+
+  explicit RealColumns(const Eigen::MatrixXcd& of) : columns(2 * of.rows(), 2 * of.cols()) {
+    columns << of.real(), -of.imag(), of.imag(), of.real();
+    sizes = columns.colwise().norm().cwiseMax(1e-300);
+    columns = columns * sizes.cwiseInverse().asDiagonal();
+  }
+};
+
+/// @param estimator  rows that make the terms, in the sizes of the columns, of the right side
+Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& right, const Eigen::MatrixXd& estimator,
+                     const Eigen::VectorXd& sizes) {
   const Eigen::Index rows = columns.rows(), terms = columns.cols();
-  Eigen::MatrixXd real(2 * rows, 2 * terms);
-  real << columns.real(), -columns.imag(), columns.imag(), columns.real();
-  // Columns of one size: each has a unit of its own.
-  const Eigen::VectorXd sizes = real.colwise().norm().cwiseMax(1e-300);
-  real = real * sizes.cwiseInverse().asDiagonal();
   Eigen::VectorXd stacked(2 * rows);
   stacked << right.real(), right.imag();
-  const Eigen::MatrixXd dual = PlainQr(real).dual();
-  const Eigen::VectorXd found = (dual.transpose() * stacked).cwiseQuotient(sizes);
+  const Eigen::VectorXd found = (estimator * stacked).cwiseQuotient(sizes);
   Solution solution;
   solution.terms.resize(terms);
   solution.terms.real() = found.head(terms);
   solution.terms.imag() = found.tail(terms);
   solution.left = right - columns * solution.terms;
   solution.degrees = 2 * static_cast<double>(rows - terms);
-  solution.spread = (dual.col(0) / sizes(0)).squaredNorm();
+  solution.spread = (estimator.row(0) / sizes(0)).squaredNorm();
   return solution;
+}
+Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& right) {
+  const RealColumns real(columns);
+  return solution_of(columns, right, PlainQr(real.columns).dual().transpose(), real.sizes);
 }
 
 /// The lines of a window, and where they stand: -1 to 1.
@@ -106,13 +118,30 @@ Eigen::ArrayXcd places() {
   return Eigen::ArrayXd::LinSpaced(width, -1, 1).cast<std::complex<double>>();
 }
 
-/// Response and transient as polynomials; the first term is the response in the middle.
-Solution local_polynomial(const Eigen::VectorXcd& drive, const Eigen::VectorXcd& output) {
+/// A response times a signal, and a transient, as polynomials: columns of their terms, of which the first is the
+/// response in the middle.
+Eigen::MatrixXcd polynomial_columns(const Eigen::VectorXcd& signal) {
   const Eigen::ArrayXcd x = places();
   Eigen::MatrixXcd columns(width, 6);
-  columns << drive, (drive.array() * x).matrix(), (drive.array() * x.square()).matrix(), Eigen::VectorXcd::Ones(width),
-      x.matrix(), x.square().matrix();
-  return solution_of(columns, output);
+  columns << signal, (signal.array() * x).matrix(), (signal.array() * x.square()).matrix(),
+      Eigen::VectorXcd::Ones(width), x.matrix(), x.square().matrix();
+  return columns;
+}
+
+Solution local_polynomial(const Eigen::VectorXcd& drive, const Eigen::VectorXcd& output) {
+  return solution_of(polynomial_columns(drive), output);
+}
+
+/// Of an input that answers in a loop: the equations of output and input, weighed by the terms of the reference in the
+/// place of those of the input (instrumental variables; Pintelon, Schoukens 2012, chapter 9).  The noise knows nothing
+/// of the reference, and what is left is noise that has not gone round the loop, whose peaks may be narrow beside the
+/// window.
+Solution by_instrument(const Eigen::VectorXcd& reference, const Eigen::VectorXcd& input,
+                       const Eigen::VectorXcd& output) {
+  const Eigen::MatrixXcd columns = polynomial_columns(input);
+  const RealColumns real(columns);
+  const Eigen::MatrixXd instruments = RealColumns(polynomial_columns(reference)).columns.transpose();
+  return solution_of(columns, output, solve_square(instruments * real.columns, instruments), real.sizes);
 }
 
 /// The same over a common denominator 1 + d1 x + d2 x^2 (McKelvey, Guerin 2012): exact for a resonance that is narrow
@@ -185,16 +214,17 @@ Estimated arbitrary_response(const Record& record) {
       std::complex<double> to_input = 1;
       double variance;
       if (has_reference) {
-        const Solution from_reference = local_polynomial(of_drive, window_of(spectra[0], middle));
-        Solution found = local_polynomial(of_drive, of_output);
+        const Eigen::VectorXcd of_input = window_of(spectra[0], middle);
+        const Solution from_reference = local_polynomial(of_drive, of_input);
+        const Solution found = by_instrument(of_drive, of_input, of_output);
         to_input = from_reference.terms(0);
-        point.value = found.terms(0) / to_input;
-        found.left -= point.value * from_reference.left;
+        point.value = found.terms(0);
         point.degrees = found.degrees;
         variance = found.variance();
-        point.sigma = std::sqrt(variance * found.spread / std::norm(to_input));
+        point.sigma = std::sqrt(variance * found.spread);
         // As for periodic records: 10 dB above its error, each part of which has this variance.
-        if (!(std::norm(to_input) >= 10 * 2 * from_reference.variance() * from_reference.spread))
+        if (!std::isfinite(std::abs(point.value)) ||
+            !(std::norm(to_input) >= 10 * 2 * from_reference.variance() * from_reference.spread))
           point.flag = "the reference does not drive the input here";
       } else {
         const Solution found = local_response(of_drive, of_output);

@@ -8,6 +8,12 @@
 #include "frac/cancellation.hpp"
 
 namespace frac::detail {
+namespace {
+
+constexpr Eigen::Index terms = 3;  // of the polynomial that follows the transient
+
+}  // namespace
+
 std::size_t neighbours_for(std::size_t periods) {
   return std::clamp<std::size_t>(periods - 1, 6, 12);
 }
@@ -37,9 +43,8 @@ void LineReader::take_window(std::size_t bin) {
   }
 }
 
-LineEstimate LineReader::operator()(std::size_t bin) {
+LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
   throw_if_cancelled();
-  constexpr Eigen::Index terms = 3;
   const auto channels = static_cast<Eigen::Index>(spectra_.size());
   const auto of_channel = [this](Eigen::Index channel) -> const Spectrum& {
     return spectra_[static_cast<std::size_t>(channel)];
@@ -50,22 +55,42 @@ LineEstimate LineReader::operator()(std::size_t bin) {
   take_window(bin);
   const auto count = static_cast<Eigen::Index>(offsets_.size());
   if (count < terms + 2) return line;
+  const auto bin_of = [&](Eigen::Index i) {
+    return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(bin) + offsets_[static_cast<std::size_t>(i)]);
+  };
   Eigen::MatrixXcd around(count, channels);
   for (Eigen::Index i = 0; i < count; ++i)
-    for (Eigen::Index c = 0; c < channels; ++c)
-      around(i, c) = of_channel(
-          c)[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(bin) + offsets_[static_cast<std::size_t>(i)])];
+    for (Eigen::Index c = 0; c < channels; ++c) around(i, c) = of_channel(c)[bin_of(i)];
+  const auto degrees = static_cast<double>(count - terms);
+  Fitted best;
+  const auto try_sizes = [&](const Eigen::VectorXd& inverse_sizes) {
+    Fitted fitted = fit(around, inverse_sizes);
+    const Eigen::MatrixXcd judged =
+        sum ? Eigen::MatrixXcd(fitted.left * sum->weights) : Eigen::MatrixXcd(fitted.left.rightCols(channels - 1));
+    for (Eigen::Index c = 0; c < judged.cols(); ++c) {
+      const double squares = judged.col(c).squaredNorm();
+      if (squares > 0) fitted.likelihood += fitted.likelihood_of_sizes - degrees * std::log(squares);
+    }
+    if (best.left.size() == 0 || fitted.likelihood > best.likelihood) best = std::move(fitted);
+  };
+  try_sizes({});
   const auto at = static_cast<double>(bin);
   // Over a window that is wide beside its frequency the power of noise may change as a power of frequency, by more than
   // a factor of 2 from the line to an end for noise like 1/f^2.
-  const bool is_wide = largest_offset() > 0.3 * at;
-  Fitted best;
-  for (const double slope : is_wide ? std::vector<double>{0, 1, 2, 3, 4} : std::vector<double>{0}) {
-    Fitted fitted = fit(around, at, slope);
-    if (slope == 0 || fitted.likelihood > best.likelihood) best = std::move(fitted);
+  if (largest_offset() > 0.3 * at)
+    for (const double slope : {1, 2, 3, 4}) {
+      Eigen::VectorXd inverse_sizes(count);
+      for (Eigen::Index i = 0; i < count; ++i)
+        inverse_sizes(i) = std::pow(static_cast<double>(bin_of(i)) / at, slope / 2);
+      try_sizes(inverse_sizes);
+    }
+  if (sum) {
+    Eigen::VectorXd inverse_sizes(count);
+    for (Eigen::Index i = 0; i < count; ++i) inverse_sizes(i) = sum->size(bin) / sum->size(bin_of(i));
+    if (inverse_sizes.allFinite()) try_sizes(inverse_sizes);
   }
   line.value -= best.transient;
-  line.degrees = static_cast<double>(count - terms);
+  line.degrees = degrees;
   const double spread = (1 + best.leverage) / line.degrees;
   line.covariance = spread * (best.left.transpose() * best.left.conjugate());
   line.is_symmetric = is_symmetric_;
@@ -80,41 +105,38 @@ double LineReader::largest_offset() const {
   return static_cast<double>(std::abs(offsets_.back()));
 }
 
-// Restricted likelihood of complex normal lines whose variance is S (1 + offset/bin)^-slope, S left to the data.
-LineReader::Fitted LineReader::fit(const Eigen::MatrixXcd& around, double bin, double slope) {
-  constexpr Eigen::Index terms = 3;
-  const Eigen::Index count = around.rows();
-  Eigen::VectorXd inverse_sizes(count);
-  double likelihood = 0;
+LineReader::Plan LineReader::plan(const Eigen::VectorXd& inverse_sizes) const {
+  const auto count = static_cast<Eigen::Index>(offsets_.size());
+  Plan made{Eigen::MatrixXd(count, terms), {}};
   for (Eigen::Index i = 0; i < count; ++i) {
-    const double ratio = 1 + static_cast<double>(offsets_[static_cast<std::size_t>(i)]) / bin;
-    inverse_sizes(i) = std::pow(ratio, slope / 2);
-    likelihood += slope * std::log(ratio);
+    const double x = static_cast<double>(offsets_[static_cast<std::size_t>(i)]) / largest_offset();
+    made.powers.row(i) << 1, x, x * x;
   }
-  if (offsets_ != planned_ || slope != planned_slope_ || slope != 0) {
+  if (inverse_sizes.size() > 0) made.powers = inverse_sizes.asDiagonal() * made.powers;
+  made.to_terms = PlainQr(made.powers).dual().transpose();
+  return made;
+}
+
+// Restricted likelihood of complex normal lines whose deviation is S over inverse_sizes, S left to the data.
+LineReader::Fitted LineReader::fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes) {
+  const bool is_even = inverse_sizes.size() == 0;
+  if (offsets_ != planned_) {
     planned_ = offsets_;
-    planned_slope_ = slope;
-    powers_.resize(count, terms);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double x = static_cast<double>(offsets_[static_cast<std::size_t>(i)]) / largest_offset();
-      powers_.row(i) << inverse_sizes(i), inverse_sizes(i) * x, inverse_sizes(i) * x * x;
-    }
-    to_terms_ = PlainQr(powers_).dual().transpose();
+    even_ = plan({});
   }
+  const Plan of_sizes = is_even ? Plan{} : plan(inverse_sizes);
+  const auto& [powers, to_terms] = is_even ? even_ : of_sizes;
   Fitted fitted;
-  fitted.left = inverse_sizes.cast<std::complex<double>>().asDiagonal() * around;
-  const Eigen::MatrixXcd polynomial = to_terms_.cast<std::complex<double>>() * fitted.left;
+  fitted.left = around;
+  if (!is_even) fitted.left = inverse_sizes.cast<std::complex<double>>().asDiagonal() * around;
+  const Eigen::MatrixXcd polynomial = to_terms.cast<std::complex<double>>() * fitted.left;
   // The value of the polynomial at the line is its constant.
   fitted.transient = polynomial.row(0).transpose();
-  fitted.left -= powers_.cast<std::complex<double>>() * polynomial;
-  fitted.leverage = to_terms_.row(0).squaredNorm();
-  const auto degrees = static_cast<double>(count - terms);
+  fitted.left -= powers.cast<std::complex<double>>() * polynomial;
+  fitted.leverage = to_terms.row(0).squaredNorm();
   // The determinant of the normal equations, from their inverse.
-  likelihood += 2 * CholeskyFactor(to_terms_ * to_terms_.transpose()).diagonal().array().log().sum();
-  for (Eigen::Index c = 1; c < around.cols(); ++c) {
-    const double squares = fitted.left.col(c).squaredNorm();
-    if (squares > 0) fitted.likelihood += likelihood - degrees * std::log(squares);
-  }
+  fitted.likelihood_of_sizes = 2 * CholeskyFactor(to_terms * to_terms.transpose()).diagonal().array().log().sum();
+  if (!is_even) fitted.likelihood_of_sizes += 2 * inverse_sizes.array().log().sum();
   return fitted;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace frac::detail {
@@ -27,6 +28,13 @@ struct LineEstimate {
   [[nodiscard]] Parts parts(const Eigen::VectorXcd& weights) const;
 };
 
+/// A sum of weighted channels, and how the size of its noise may change from line to line.
+struct ShapedSum {
+  Eigen::VectorXcd weights;
+  /// Of the noise at a bin, up to a factor; not finite: not known, and the shape is not tried.
+  std::function<double(std::size_t)> size;
+};
+
 /// Reads lines of several spectra of equal length without what leaks into them.
 class LineReader {
  public:
@@ -36,17 +44,26 @@ class LineReader {
 
   /// Removes from the line `bin` of each spectrum the polynomial of order 2 that follows the lines around it which are
   /// no multiples of `step`, and estimates from what it leaves of them the covariance of the noise.
-  [[nodiscard]] LineEstimate operator()(std::size_t bin);
+  /// The noise over the window is as large everywhere, or follows a power of frequency at low ones, or the shape of
+  /// `sum`: as is likeliest of all channels, or of `sum` where it is given.
+  [[nodiscard]] LineEstimate operator()(std::size_t bin, const ShapedSum* sum = nullptr);
 
  private:
-  /// Polynomial through the lines of a window whose noise falls with a power of frequency.
+  /// Polynomial through the lines of a window whose noise has certain sizes.
   struct Fitted {
-    Eigen::VectorXcd transient;  // at the line
-    Eigen::MatrixXcd left;       // of the lines around, over the size of their noise relative to that at the line
-    double leverage = 0;         // variance of the transient over that of the noise at the line
-    double likelihood = 0;       // logarithm
+    Eigen::VectorXcd transient;      // at the line
+    Eigen::MatrixXcd left;           // of the lines around, over the size of their noise relative to that at the line
+    double leverage = 0;             // variance of the transient over that of the noise at the line
+    double likelihood_of_sizes = 0;  // logarithm, the share that depends on the sizes alone
+    double likelihood = 0;           // logarithm
   };
-  [[nodiscard]] Fitted fit(const Eigen::MatrixXcd& around, double bin, double slope);
+  /// What makes the polynomial of the lines, each over the size of its noise.
+  struct Plan {
+    Eigen::MatrixXd powers, to_terms;
+  };
+  [[nodiscard]] Plan plan(const Eigen::VectorXd& inverse_sizes) const;
+  /// @param inverse_sizes  of the noise of each line; none: as large everywhere
+  [[nodiscard]] Fitted fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes);
   [[nodiscard]] double largest_offset() const;
   void take_window(std::size_t bin);
 
@@ -54,8 +71,7 @@ class LineReader {
   std::size_t step_, neighbours_;
   std::vector<std::ptrdiff_t> offsets_, planned_;  // pairs -r, r where the window is symmetric
   bool is_symmetric_ = true;
-  double planned_slope_ = 0;
-  Eigen::MatrixXd powers_, to_terms_;  // of planned_
+  Plan even_;  // of planned_, noise as large everywhere
 };
 
 /// Lines on each side for a record of so many periods: as many as there are to the next line of the period, where that

@@ -97,6 +97,43 @@ void add_distortion(double power, double count_of_lines, double degrees_of_noise
   point.degrees = std::min(of_re, of_im);
 }
 
+/// Response of an output between the excited lines: 1/G along straight lines, from which that of a resonance departs by
+/// (distance/frequency)^2/4 of its static value.
+class BetweenLines {
+ public:
+  /// @param lines  rising
+  BetweenLines(std::vector<double> lines, std::vector<std::complex<double>> values)
+      : lines_(std::move(lines)), values_(std::move(values)) {}
+  [[nodiscard]] std::complex<double> operator()(double line) const {
+    const auto above = static_cast<std::size_t>(std::lower_bound(lines_.begin(), lines_.end(), line) - lines_.begin());
+    if (above == 0) return values_.front();
+    if (above == lines_.size()) return values_.back();
+    const double share = (line - lines_[above - 1]) / (lines_[above] - lines_[above - 1]);
+    return 1.0 / ((1 - share) / values_[above - 1] + share / values_[above]);
+  }
+
+ private:
+  std::vector<double> lines_;
+  std::vector<std::complex<double>> values_;
+};
+
+/// Around the machine a loop u = r - C y makes of a disturbance v the errors e_y = v/(1 + G C) of the output and
+/// e_u = -C e_y of the input.  e_y - G e_u at a line of the period is v, while with the G of this line it is
+/// v (1 + G(line) C)/(1 + G C) beside it, which has the peaks of the loop.  -C is the regression of e_u on e_y.
+ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t output, double periods,
+                        const BetweenLines& response) {
+  const auto at = static_cast<Eigen::Index>(output) + 1;
+  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}};
+  const auto here = response(static_cast<double>(bin) / periods);
+  sum.weights(0) = -here;
+  sum.weights(at) = 1;
+  const std::complex<double> minus_controller = line.covariance(0, at) / line.covariance(at, at);
+  sum.size = [&response, periods, minus_controller](std::size_t other) {
+    return 1 / std::abs(1.0 - minus_controller * response(static_cast<double>(other) / periods));
+  };
+  return sum;
+}
+
 }  // namespace
 
 Estimated periodic_response(const Record& record, double length) {
@@ -121,9 +158,21 @@ Estimated periodic_response(const Record& record, double length) {
   estimated.all_lines_excited = excited.size() == excited.back() - excited.front() + 1;
   for (std::size_t output = 0; output < outputs; ++output) {
     auto& points = estimated.outputs[output];
+    const auto at = static_cast<Eigen::Index>(output) + 1;
+    std::vector<double> places;
+    std::vector<std::complex<double>> values;
+    for (const std::size_t k : excited) {
+      places.push_back(static_cast<double>(k));
+      values.push_back(lines[k - 1].value(at) / lines[k - 1].value(0));
+    }
+    const BetweenLines response(places, values);
     for (const std::size_t k : excited) {
       ResponsePoint& point = points.emplace_back();
-      const LineEstimate& line = lines[k - 1];
+      LineEstimate line = lines[k - 1];
+      if (line.degrees > 0 && line.covariance(at, at).real() > 0) {
+        const ShapedSum sum = noise_of_loop(line, k * periods, output, static_cast<double>(periods), response);
+        line = reader(k * periods, &sum);
+      }
       point.omega = static_cast<double>(k * periods) * found.spacing;
       point.periods = static_cast<double>(k * periods);
       set_ratio(line, output, point);
@@ -142,14 +191,19 @@ Estimated periodic_response(const Record& record, double length) {
       if (line.degrees == 0) continue;
       const auto span = static_cast<double>(excited[above] - excited[above - 1]);
       const double share = static_cast<double>(k - excited[above - 1]) / span;
-      const std::complex<double> value = (1 - share) * points[above - 1].value + share * points[above].value;
+      const std::complex<double> before = points[above - 1].value, after = points[above].value;
+      const std::complex<double> value = (1 - share) * before + share * after;
       Eigen::VectorXcd weights = Eigen::VectorXcd::Zero(line.value.size());
       weights(0) = -value;
       weights(static_cast<Eigen::Index>(output) + 1) = 1;
-      const LineEstimate::Parts noise = line.parts(weights);
-      const double power =
-          std::norm((weights.transpose() * line.value).value()) - noise.variance_re - noise.variance_im;
-      (odd_alone && k % 2 == 0 ? even : other).push_back({k, power});
+      const LineEstimate::Parts parts = line.parts(weights);
+      const double noise = parts.variance_re + parts.variance_im;
+      const double rest = std::norm((weights.transpose() * line.value).value());
+      // Straight lines through G and through 1/G differ by what either misses, to a factor of 3.  Where that share of
+      // the line's own input, which a loop may have made large, can be what is left, it is no distortion.
+      const std::complex<double> missed = value - 1.0 / ((1 - share) / before + share / after);
+      if (9 * std::norm(missed * line.value(0)) > std::max(noise, rest)) continue;
+      (odd_alone && k % 2 == 0 ? even : other).push_back({k, rest - noise});
     }
     for (std::size_t i = 0; i < excited.size(); ++i) {
       const double amplitude = points[i].input_amplitude;

@@ -90,10 +90,19 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
   return read_curve(task.request, curve, say_nothing);
 }
 
-FitRequest request_for(const BatchTask& task, const frac::FrequencyResponseData& data) {
+FitRequest request_for(const BatchTask& task, const io::FrequencyResponseFile& file) {
   FitRequest request = task.request;
-  request.component = frac::fitted_component(data, request.component);
+  request.component = frac::fitted_component(file.data, request.component);
+  if (!task.weight_is_told && io::has_measured_sigma(file)) request.weight = frac::to_string(frac::Weight::given);
   return request;
+}
+
+// What of the request the curve decided.
+std::string remark_on(const FitRequest& request, const BatchTask& task) {
+  std::string remark;
+  if (request.component != task.request.component) remark = " (" + std::string(frac::imaginary_part_alone) + ")";
+  if (request.weight != task.request.weight) remark += " (" + std::string(weighed_by_measured_sigma) + ")";
+  return remark;
 }
 
 BlockStarts::Answer answer_of(const BatchTask& task, const FitRequest& request, const frac::FrequencyResponseData& data,
@@ -107,9 +116,8 @@ BlockStarts::Answer answer_of(const BatchTask& task, const FitRequest& request, 
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file, std::size_t index,
                 BlockStarts& starts) {
-  const FitRequest request = request_for(task, file.data);
-  const std::string remark =
-      request.component == task.request.component ? "" : " (" + std::string(frac::imaginary_part_alone) + ")";
+  const FitRequest request = request_for(task, file);
+  const std::string remark = remark_on(request, task);
   if (!task.ranked) {
     const BlockStarts::Answer* const first = starts[index];
     const auto [fit, points] =
@@ -228,7 +236,7 @@ const BlockStarts::Answer* BlockStarts::operator[](std::size_t index) {
   std::call_once(block.searched, [&] {
     try {
       const auto file = data_of(task_, curves_[index / block_size * block_size]);
-      block.answer = answer_of(task_, request_for(task_, file.data), file.data, nullptr);
+      block.answer = answer_of(task_, request_for(task_, file), file.data, nullptr);
     } catch (const io::DataError&) {  // its row will say it
     } catch (const std::invalid_argument&) {
     }

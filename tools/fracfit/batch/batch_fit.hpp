@@ -37,6 +37,7 @@ struct BatchTask {
   std::vector<frac::NamedModel> models;  // with the constraints of the user; one is fitted, several are ranked
   std::vector<std::string> variables;    // entries of the file headers that become columns
   bool ranked = false;
+  bool weight_is_told = false;  // else curves with deviations that were measured are weighed with these
 };
 
 /// Columns of the rows below.

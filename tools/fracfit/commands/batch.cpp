@@ -164,7 +164,7 @@ class Batch : public Command {
     for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
     const bool ranked = model_.empty();
     static_cast<void>(fit_options(request_));
-    task_ = {request_, {}, {"force_n", "clearance_m", "restitution"}, ranked};
+    task_ = {request_, {}, {"force_n", "clearance_m", "restitution"}, ranked, options()["--weight"].is_given()};
     if (ranked) {
       task_.models = chosen_models(models_);
     } else {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -89,14 +88,6 @@ class History : public Command {
     return true;
   }
 
-  // About the mean of the centre of mass, as without friction; the gap is told from one wall on.
-  [[nodiscard]] backlash::LoopStart start_of(const backlash::TwoMassSystem& system, double position) const {
-    const double total = system.mass1() + system.mass2();
-    const double centre = -scene_.force / (total * omega_ * omega_);
-    const double share1 = system.mass2() / total, share2 = system.mass1() / total;
-    return {centre - share1 * position, 0 - share1 * velocity_, centre + share2 * position, share2 * velocity_};
-  }
-
   /// Writes the record of a motion. @param contact  entries of the head that tell it
   int write_record(const backlash::RigMotion& motion, const io::Metadata& contact) {
     if (!motion.complete) {
@@ -115,38 +106,17 @@ class History : public Command {
     return usable_result;
   }
 
-  /// @param start  as compliant_history() takes it
-  int record_compliant(const backlash::CompliantBodies& bodies, const backlash::LoopStart& start) {
-    backlash::RigMotion motion{
-        backlash::stepped_sine_force(scene_.force, omegas_, periods_, backlash::rig_steps), {}, {}, true};
-    double begin = 0;
-    backlash::LoopStart state = start;
-    for (const double omega : omegas_) {
-      const int skip = begin == 0 ? skip_ : 0;
-      const auto part =
-          backlash::compliant_history(bodies, scene_.force, omega, state, skip, periods_, backlash::rig_steps);
-      for (const auto& row : part.rows) {
-        motion.x1.add(begin + row.time, row.x1, row.v1);
-        motion.x2.add(begin + row.time, row.x2, row.v2);
-      }
-      motion.complete = part.complete;
-      if (!part.complete) break;
-      state = part.end;
-      begin += periods_ * 2 * std::numbers::pi / omega;
-    }
-    return write_record(motion, contact_entries(bodies));
-  }
-
   int run_compliant() {
     const backlash::CompliantBodies bodies =
         contact_.bodies(backlash::free_mass(scene_.mass1), backlash::free_mass(scene_.mass2), scene_.clearance).front();
     const double half = 0.5 * scene_.clearance;
     const double position = std::isnan(position_) ? half : position_;
     options()["--position"].say(io::format_number(position));
-    // The library counts the gap from its middle.
-    backlash::LoopStart start = start_of(bodies.system(), position);
-    start.x2 -= half;
-    if (!std::isnan(sample_time_)) return record_compliant(bodies, start);
+    const backlash::LoopStart start =
+        backlash::start_about_mean(bodies.system(), scene_.force, omega_, {position, velocity_});
+    if (!std::isnan(sample_time_))
+      return write_record(backlash::rig_motion(bodies, scene_.force, omegas_, start, skip_, periods_),
+                          contact_entries(bodies));
     const auto history = backlash::compliant_history(bodies, scene_.force, omega_, start, skip_, periods_, samples_);
     Document document{{{"mass1_kg", io::format_number(scene_.mass1)},
                        {"mass2_kg", io::format_number(scene_.mass2)},

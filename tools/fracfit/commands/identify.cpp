@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "backlash/minus_inverse.hpp"
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "frac/identification/cross_validation.hpp"
 #include "frac/identification/economy.hpp"
-#include "frac/identification/model_choice.hpp"
 #include "frac/identification/screened_fit.hpp"
-#include "frac/parallel_for.hpp"
 #include "frac/structure.hpp"
 #include "io/number.hpp"
 #include "io/time_series_file.hpp"
@@ -22,31 +20,13 @@
 namespace fracfit {
 namespace {
 
-// rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
+// rms of cross-validation for each candidate.
 template <class Data, class Options>
 std::vector<double> prediction_rms(const Data& data, const Options& options, const frac::IdentificationResult& result,
                                    std::size_t folds, const Command& command) {
-  std::vector<double> rms(result.ranking.size(), std::numeric_limits<double>::quiet_NaN());
-  std::vector<std::string> notes(rms.size());
-  frac::parallel_for(rms.size(), command.threads(), [&](std::size_t i) {
-    const auto& candidate = result.ranking[i];
-    if (candidate.model_class == frac::ModelClass::fixed_curve) {
-      rms[i] = candidate.fit.rms;
-      return;
-    }
-    auto of_model = options;
-    of_model.constraints = candidate.model.constraints;
-    // The member of a family stands where its search ended.
-    of_model.global_start = !candidate.from_family;
-    try {
-      rms[i] = frac::cross_validation(data, frac::Structure(candidate.fit.model), of_model, folds);
-    } catch (const std::invalid_argument& error) {
-      notes[i] = "no cross-validation of " + candidate.name + ": " + error.what();
-    }
-  });
-  for (const auto& note : notes)
-    if (!note.empty()) command.say(note);
-  return rms;
+  const auto found = frac::cross_validations(data, options, result, folds, command.threads());
+  for (const auto& note : found.notes) command.say(note);
+  return found.rms;
 }
 
 /// Computed by `simulate`, or met to rounding by a model.

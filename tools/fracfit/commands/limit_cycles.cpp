@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "backlash/loops/predicted_cycles.hpp"
-#include "backlash/orbit_continuation.hpp"
 #include "commands/pictures.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/model/algebra.hpp"
@@ -82,8 +81,6 @@ class LimitCyclesCommand : public Command {
 
  private:
   static constexpr int most_starts = 1000;
-  // Of force over M2 clearance omega^2: from where impacts are rare to where they become contact.
-  static constexpr double lowest_ratio = 0.1, highest_ratio = 3;
 
   static std::optional<backlash::FrequencyRange> range_of(std::string_view name, const std::string& text) {
     const auto [low, high] = pair_of(name, text);
@@ -104,12 +101,7 @@ class LimitCyclesCommand : public Command {
                       backlash::symmetric_cycles(loop, request), backlash::predicted_limit_cycles(loop, range_)};
     if (branches_) {
       if (!loop.bodies().are_free()) throw std::invalid_argument("--branches is for free masses, without receptances");
-      const backlash::TwoMassSystem& system = loop.system();
-      // Ratios F/(M2 clearance omega^2), at a force that makes omega^-2 of them.
-      const double force = system.mass2() * system.clearance();
-      const std::vector<backlash::PredictedCycle> further = backlash::predicted_limit_cycles(
-          loop, backlash::orbit_diagram(system, force, 1 / std::sqrt(highest_ratio), 1 / std::sqrt(lowest_ratio)),
-          range_);
+      const auto further = backlash::predicted_cycles_of_more_impacts(loop, range_);
       result.predicted.insert(result.predicted.end(), further.begin(), further.end());
     }
     const int starts = starts_.value_or(3);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "backlash/loops/loop_record.hpp"
 #include "backlash/loops/simulate_loop.hpp"
 #include "backlash/loops/simulate_sampled_loop.hpp"
 #include "commands/subcommand.hpp"
@@ -97,24 +98,6 @@ class LoopCommand : public Command {
                                   options()["--every"].text() + ", the time between samples of the record");
   }
 
-  /// The force runs straight between rows.
-  static backlash::RigMotion motion_of(const std::vector<backlash::LoopRow>& rows) {
-    backlash::RigMotion motion;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      motion.x1.add(rows[i].time, rows[i].x1, rows[i].v1);
-      motion.x2.add(rows[i].time, rows[i].x2, rows[i].v2);
-      if (i == 0) {
-        motion.force.add(rows[i].time, rows[i].force, 0);
-        continue;
-      }
-      const double length = rows[i].time - rows[i - 1].time;
-      const double rate = length > 0 ? (rows[i].force - rows[i - 1].force) / length : 0;
-      motion.force.add(rows[i - 1].time, rows[i - 1].force, rate);
-      motion.force.add(rows[i].time, rows[i].force, rate);
-    }
-    return motion;
-  }
-
   void write_rows(const std::vector<backlash::LoopRow>& rows, const io::Metadata& head) {
     Document document{head, {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event"}, rows.size(), {}}};
     document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
@@ -153,9 +136,7 @@ class LoopCommand : public Command {
     }
     const backlash::ControlLoop loop = loop_.loop();
     const double every = options_of_run_.sample_time;
-    // Between rows a record takes cubics, which err by the fourth power of their length.
-    constexpr int rows_per_sample = 8;
-    if (is_record_) options_of_run_.sample_time = every / rows_per_sample;
+    if (is_record_) options_of_run_.sample_time = every / backlash::loop_rows_per_sample;
     const backlash::LoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
     io::Metadata head{{"impacts", std::to_string(history.impacts.size())},
                       {"end", std::string(backlash::to_string(history.end))},
@@ -164,7 +145,7 @@ class LoopCommand : public Command {
       head.emplace_back("realisation_error", io::format_number(history.realisation_error));
     }
     if (is_record_)
-      write(text_of({head, record_.rows(motion_of(history.rows), every), {}}, format(), command_line()));
+      write(text_of({head, record_.rows(backlash::rig_motion(history.rows), every), {}}, format(), command_line()));
     else
       write_rows(history.rows, head);
     if (history.end == backlash::LoopEnd::rest) {

@@ -12,11 +12,9 @@
 
 #include "backlash/design/tune_with_backlash.hpp"
 #include "commands/subcommand.hpp"
-#include "frac/identification/lack_of_fit.hpp"
+#include "frac/identification/plants_of_record.hpp"
 #include "frac/identification/robust_tune.hpp"
-#include "frac/identification/time_fit.hpp"
 #include "frac/model/algebra.hpp"
-#include "frac/structure.hpp"
 #include "frac/time_response/step_figures.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
@@ -320,58 +318,19 @@ class Tune : public Command {
   }
 
  private:
-  struct PlantsOfRelay {
-    frac::FitResult best;
-    std::vector<frac::FractionalTransferFunction> others;
-  };
-
-  // Of the plants that relay experiments are described by, the one with the best evidence of those whose parameters the
-  // record tells, and the others that it leaves possible: what falls faster at high frequency than the true plant, for
-  // the sake of a little noise, would allow a derivative that the true plant does not.
-  [[nodiscard]] PlantsOfRelay plants_of_relay() const {
-    const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
-    // Parameters of the record, its offset, stand behind those of the plant.
-    const auto is_told = [](const frac::FitResult& fit) {
-      const auto own = static_cast<std::ptrdiff_t>(frac::Structure(fit.model).parameter_names().size());
-      return std::all_of(fit.parameters.begin(), fit.parameters.begin() + own,
-                         [](const auto& each) { return each.standard_error < std::abs(each.value); });
-    };
-    std::vector<frac::FitResult> fits;
-    for (const char* formula : {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)",
-                                "K exp(-L s)/(T s^2 + s)", "K exp(-L s)/(T s + 1)^3"}) {
-      frac::FitResult fit = frac::fit(data, frac::Structure(formula));
-      if (fit.usable()) fits.push_back(std::move(fit));
-    }
-    if (fits.empty())
+  [[nodiscard]] frac::PlantsOfRecord plants_of_relay() const {
+    auto plants = frac::plants_of_record(io::time_response_data(relay_, io::read_time_response(relay_)));
+    if (!plants)
       throw io::DataError(relay_, 0, 0, "shows no plant: neither a lag nor a second order with dead time follows it");
-    std::ranges::sort(fits, [&](const frac::FitResult& a, const frac::FitResult& b) {
-      return is_told(a) == is_told(b) ? a.aicc < b.aicc : is_told(a);
-    });
-    // Evidence of e^5 to 1 is beyond doubt.
-    constexpr double certain = 10;
-    std::vector<frac::FractionalTransferFunction> others;
-    for (std::size_t i = 1; i < fits.size(); ++i)
-      if (is_told(fits[i]) && fits[i].aicc < fits.front().aicc + certain) others.push_back(frac::fitted_plant(fits[i]));
-    return {fits.front(), others};
-  }
-
-  // A region tells nothing of a plant of another kind than was fitted.
-  [[nodiscard]] std::string misfit_of_relay(const frac::FitResult& fit) const {
-    const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
-    const frac::LackOfFit lack = frac::lack_of_fit(data, frac::TimeFitOptions{}, fit);
-    if (lack.adequate) return {};
-    return " But no plant that was tried follows the record to within its noise (residuals of " +
-           short_number(lack.misfit, 3) + " times the noise, correlation of neighbours " +
-           short_number(lack.correlation, 3) +
-           "), so that the true one may lie outside of the region: the answer is not to be used.";
+    return *plants;
   }
 
   int run_for_region() {
-    const PlantsOfRelay plants = fit_.empty() ? plants_of_relay() : PlantsOfRelay{read_fit(fit_), {}};
+    const frac::PlantsOfRecord plants = fit_.empty() ? plants_of_relay() : frac::PlantsOfRecord{read_fit(fit_), {}, {}};
     const frac::FitResult& fit = plants.best;
+    const std::string& misfit = plants.misfit;
     frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_, plants.others);
-    const std::string misfit = fit_.empty() ? misfit_of_relay(fit) : "";
-    result.message += misfit;
+    if (!misfit.empty()) result.message += " " + misfit;
     const Plant plant = frac::fitted_plant(fit);
     if (format() == "json") {
       Json json = tuning_json(result.nominal, plant, command_line());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MAT-files of level 5, through libmatio where the build has it: a vector of frequencies named as a column would be,
-// and complex vectors, or one real and one imaginary vector, of its length.
+// MAT-files of level 5 and 7.3 (HDF5), through libmatio where the build has it: a vector of frequencies named as a
+// column would be, and complex vectors, or one real and one imaginary vector, of its length.
 //
 // libmatio is loaded with the first such file: it brings HDF5 and thirty further libraries, whose loading is a third of
 // every start of the program.
@@ -9,10 +9,13 @@
 
 #ifdef FRACFIT_MATIO
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <matio.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
 
 #include "io/column_name.hpp"
@@ -47,6 +50,9 @@ Matio loaded_matio(const std::string& file) {
       !find(matio.read_next_info, "Mat_VarReadNextInfo") || !find(matio.read_data, "Mat_VarReadDataAll") ||
       !find(matio.free, "Mat_VarFree"))
     throw DataError(file, 0, 0, std::string("is a MAT-file, and libmatio, which reads them, fails: ") + ::dlerror());
+  // HDF5, which libmatio brings, writes its errors to the terminal unless told not to.
+  int (*write_errors_by)(std::int64_t, void*, void*) = nullptr;
+  if (find(write_errors_by, "H5Eset_auto2")) write_errors_by(0, nullptr, nullptr);
   return matio;
 }
 
@@ -64,21 +70,60 @@ void append(const matvar_t& variable, std::size_t count, Vector& vector) {
   }
 }
 
-// libmatio reads from files alone; what came through a pipe has become bytes already.
+bool is_of_hdf5(const Source& source) {
+  return source.bytes.starts_with("MATLAB 7.3 MAT-file");
+}
+
+// libmatio reads from files alone; what came through a pipe has become bytes already.  In memory, or for HDF5, which
+// asks for a path that leads somewhere, in a temporary file.
+class Copy {
+ public:
+  explicit Copy(const Source& source) : name_(name_for(source)), file_(opened(name_)) {
+    for (std::string_view rest = source.bytes; !rest.empty();) {
+      const auto written = ::write(file_.number(), rest.data(), rest.size());
+      if (written <= 0) {
+        remove();
+        throw DataError(source.file, 0, 0, "cannot be copied for libmatio");
+      }
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+  Copy(const Copy&) = delete;
+  Copy& operator=(const Copy&) = delete;
+  ~Copy() { remove(); }
+
+  [[nodiscard]] std::string path() const {
+    return name_.empty() ? "/proc/self/fd/" + std::to_string(file_.number()) : name_;
+  }
+
+ private:
+  static std::string name_for(const Source& source) {
+    if (!is_of_hdf5(source)) return "";
+    const char* const folder = std::getenv("TMPDIR");
+    return std::string(folder != nullptr && *folder != '\0' ? folder : "/tmp") + "/fracfit-XXXXXX";
+  }
+  static int opened(std::string& name) {
+    return name.empty() ? ::memfd_create("matlab", MFD_CLOEXEC) : ::mkostemp(name.data(), O_CLOEXEC);
+  }
+  void remove() const {
+    if (!name_.empty()) ::unlink(name_.c_str());
+  }
+
+  std::string name_;  // empty: in memory
+  Descriptor file_;
+};
+
 std::vector<Vector> vectors_in(const Source& source) {
   const Matio matio = loaded_matio(source.file);
   constexpr std::size_t most_values = 10'000'000;
-  const Descriptor memory(::memfd_create("matlab", MFD_CLOEXEC));
-  for (std::string_view rest = source.bytes; !rest.empty();) {
-    const auto written = ::write(memory.number(), rest.data(), rest.size());
-    if (written <= 0) throw DataError(source.file, 0, 0, "cannot be copied for libmatio");
-    rest.remove_prefix(static_cast<std::size_t>(written));
-  }
-  const std::string path = "/proc/self/fd/" + std::to_string(memory.number());
-  const std::unique_ptr<mat_t, decltype(matio.close)> file(matio.open(path.c_str(), MAT_ACC_RDONLY), matio.close);
+  const Copy copy(source);
+  const std::unique_ptr<mat_t, decltype(matio.close)> file(matio.open(copy.path().c_str(), MAT_ACC_RDONLY),
+                                                           matio.close);
   if (!file) throw DataError(source.file, 0, 0, "is a damaged MAT-file");
+  bool has_variables = false;
   std::vector<Vector> vectors;
   while (const std::unique_ptr<matvar_t, decltype(matio.free)> variable{matio.read_next_info(file.get()), matio.free}) {
+    has_variables = true;
     const bool is_number = variable->class_type == MAT_C_DOUBLE || variable->class_type == MAT_C_SINGLE;
     if (!is_number || variable->rank != 2 || variable->name == nullptr) continue;
     const std::size_t rows = variable->dims[0], columns = variable->dims[1];
@@ -93,6 +138,9 @@ std::vector<Vector> vectors_in(const Source& source) {
       append<float>(*variable, rows * columns, vector);
     vectors.push_back(std::move(vector));
   }
+  // libmatio does not tell the one from the other.
+  if (!has_variables && is_of_hdf5(source))
+    throw DataError(source.file, 0, 0, "is a MAT-file without variables, or a damaged one");
   return vectors;
 }
 
@@ -105,9 +153,7 @@ std::string names_of(const std::vector<Vector>& vectors) {
 }  // namespace
 
 std::optional<std::vector<NamedVector>> matlab_vectors(const Source& source) {
-  if (source.bytes.starts_with("MATLAB 7.3 MAT-file"))
-    throw DataError(source.file, 0, 0, "is a MAT-file of version 7.3; expected level 5, which save -v7 writes");
-  if (!source.bytes.starts_with("MATLAB 5.0 MAT-file")) return std::nullopt;
+  if (!source.bytes.starts_with("MATLAB 5.0 MAT-file") && !is_of_hdf5(source)) return std::nullopt;
   return vectors_in(source);
 }
 

@@ -39,8 +39,8 @@ from ._backlash import (
 )
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
-from ._motions import Basins, History, LoopMotion, basins, history, loop
-from ._model import Approximation, Margins, Model, Realisation, Stability, TimeResponse, approximate
+from ._motions import Basins, History, LoopMotion, RigRecord, basins, history, loop
+from ._model import Approximation, DigitalPower, Margins, Model, Realisation, Stability, TimeResponse, approximate
 from ._records import Multisine, RecordResponse, multisine, response
 from ._special import derivative, mittag_leffler
 
@@ -70,7 +70,14 @@ if TYPE_CHECKING:
         presets as presets,
         tune as tune,
     )
-    from ._joint import JointFit as JointFit, JumpLaw as JumpLaw, joint_fit as joint_fit, jump_law as jump_law
+    from ._joint import (
+        JointFit as JointFit,
+        JumpConstants as JumpConstants,
+        JumpLaw as JumpLaw,
+        MasterCurve as MasterCurve,
+        joint_fit as joint_fit,
+        jump_law as jump_law,
+    )
     from ._validity import RelaxationTimes as RelaxationTimes, Validation as Validation, drt as drt, validate as validate
     from .plots import plot_bode as plot_bode, plot_nyquist as plot_nyquist
 
@@ -98,7 +105,7 @@ _LATER = {
     ),
     **dict.fromkeys(("Economy", "economy"), "_economy"),
     **dict.fromkeys(("Circuit", "export_arduino", "export_c99", "export_fmu", "export_spice", "report"), "_exports"),
-    **dict.fromkeys(("JointFit", "JumpLaw", "joint_fit", "jump_law"), "_joint"),
+    **dict.fromkeys(("JointFit", "JumpConstants", "JumpLaw", "MasterCurve", "joint_fit", "jump_law"), "_joint"),
     **dict.fromkeys(("RelaxationTimes", "Validation", "drt", "validate"), "_validity"),
     "plot_bode": "plots",
     "plot_nyquist": "plots",
@@ -108,6 +115,7 @@ __all__ = [
     "Approximation",
     "Basins",
     "DescribingFunction",
+    "DigitalPower",
     "FractionalPid",
     "FrequencyResponse",
     "History",
@@ -120,6 +128,7 @@ __all__ = [
     "Realisation",
     "RecordResponse",
     "RegimeMap",
+    "RigRecord",
     "Stability",
     "TimeResponse",
     "TimeSeries",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import operator
 import os
+import re
 from typing import Any, Mapping
 
 import numpy as np
@@ -24,6 +25,8 @@ def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> np.nd
             array = array.astype(dtype)
         except (TypeError, ValueError):
             raise ValueError(f"{name} holds objects that are no {what} numbers") from None
+    if array.dtype.kind in "US":
+        raise ValueError(f"{name} holds text; expected {what} numbers")
     if array.dtype.kind not in kinds:
         raise ValueError(f"{name} has the dtype {array.dtype}; expected {what} numbers")
     return array
@@ -45,7 +48,8 @@ def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, .
     if shape == ():
         return array.reshape(-1)
     if given.ndim > 1:
-        raise ValueError(f"{name} has the shape {given.shape}; expected one dimension")
+        flat = ", as its ravel() has" if given.size == max(given.shape) else ""
+        raise ValueError(f"{name} has the shape {given.shape}; expected one dimension{flat}")
     if shape is not None and array.shape != shape:
         raise ValueError(f"{name} has {array.size} entries; expected {shape[0]}")
     return array.reshape(-1)
@@ -89,8 +93,36 @@ def pair(value: Any, name: str) -> tuple[float, float]:
 def text(value: Any, name: str) -> str:
     """A text, where others have no meaning."""
     if not isinstance(value, str):
-        raise ValueError(f"{name} is {value!r}; expected a text")
+        said = f"of the type {type(value).__name__}" if np.ndim(value) else repr(value)
+        raise ValueError(f"{name} is {said}; expected a text")
     return value
+
+
+def one_of(value: Any, name: str, choices: tuple[str, ...]) -> str:
+    """One of some texts."""
+    if text(value, name) not in choices:
+        raise ValueError(f"{name} is {value!r}; expected {', '.join(choices[:-1])} or {choices[-1]}")
+    return str(value)
+
+
+def body_of(value: Any) -> str:
+    """The body that is measured."""
+    return one_of(value, "body", ("x1", "x2"))
+
+
+def shape_of(values: Mapping[str, Any]) -> tuple[int, ...]:
+    """The shape that arguments have when they are broadcast against each other."""
+    shapes = {name: np.shape(value) for name, value in values.items()}
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        several = [f"{name} {shape}" for name, shape in shapes.items() if shape]
+        raise ValueError(f"shapes do not go with each other: {', '.join(several)}") from None
+
+
+def in_words(said: Any) -> str:
+    """A sentence about files with the words of Python in place of the options of the command line."""
+    return re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), str(said))
 
 
 def path_of(value: Any, name: str) -> str:

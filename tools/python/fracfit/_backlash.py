@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, text
+from ._arrays import body_of, count, number, one_of, pair, real_array, shape_of, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._tables import Table
@@ -143,7 +143,9 @@ def describing_function(
     contact_damping: Any = None,
     friction1: Any = None,
     friction2: Any = None,
-    protocol: str = "sweep-up",
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
+    protocol: str | None = None,
     body: str = "x1",
     tolerance: float = 1e-10,
     mean_tolerance: float = 0.0,
@@ -163,8 +165,10 @@ def describing_function(
         In place of a restitution: contacts that take time, N/m and N s/m; see `contact_of_frequency`.
     friction1, friction2 : float or array_like
         With them, dry friction on the masses, N.
+    load_receptance, drive_receptance : Model or str, optional
+        Displacement per force of body 1 and 2, m/N, instead of free masses; their masses are those in them.
     protocol : {"sweep-up", "sweep-down", "contact-at-rest", "mid-gap-at-rest", "two-impact"}
-        Where the motion starts.
+        Where the motion starts; "sweep-up" if not given, "two-impact" with receptances or contacts that take time.
     body : {"x1", "x2"}
         Mass whose position is read.
     tolerance, mean_tolerance : float
@@ -186,22 +190,19 @@ def describing_function(
     """
     omega = real_array(omega, "omega")
     scene = {"mass1": mass1, "mass2": mass2, "clearance": clearance}
-    contact = {"contact_stiffness": contact_stiffness, "contact_damping": contact_damping}
-    friction = {"friction1": friction1, "friction2": friction2}
-    takes_time = contact_stiffness is not None
-    if takes_time == (restitution is not None):
-        raise ValueError("give either restitution or contact_stiffness with contact_damping")
-    if takes_time:
-        if contact_damping is None:
-            raise ValueError("contact_stiffness needs contact_damping")
-        scene |= contact | {name: 0.0 if value is None else value for name, value in friction.items()}
-    else:
-        for name in ("contact_damping", "friction1", "friction2"):
-            if (contact | friction)[name] is not None:
-                raise ValueError(f"{name} has no meaning with restitution, whose contacts take no time")
-        scene["restitution"] = restitution
+    contact = contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    takes_time = contact is not None
+    scene |= {"restitution": restitution} if contact is None else contact
     scene["force"] = force
-    shape = np.broadcast_shapes(*(np.shape(each) for each in scene.values()))
+    receptances = []
+    for name, given, mass, value in (("load_receptance", load_receptance, "mass1", mass1), ("drive_receptance", drive_receptance, "mass2", mass2)):
+        if given is not None and not np.all(np.asarray(value) == 1.0):
+            raise ValueError(f"{mass} does not go with {name}: the mass is that in it")
+        receptances.append(None if given is None else _model(given)._tf)
+    has_receptances = any(each is not None for each in receptances)
+    if protocol is None:
+        protocol = "two-impact" if takes_time or has_receptances else "sweep-up"
+    shape = shape_of(scene)
     lists = [
         np.ascontiguousarray(np.broadcast_to(real_array(value, name, ()).reshape(np.shape(value)), shape)).reshape(-1)
         for name, value in scene.items()
@@ -209,7 +210,9 @@ def describing_function(
     options = _options(protocol, body, tolerance, mean_tolerance, threads)
     report = reporter(progress, "describing function")
     if takes_time:
-        found = _core.compliant_describing_functions(lists, omega, options, report)
+        found = _core.compliant_describing_functions(lists, *receptances, omega, options, report)
+    elif has_receptances:
+        found = _core.bodies_describing_functions(lists, *receptances, omega, options)
     else:
         found = _core.describing_functions(*lists, omega, options, report)
     found = {name: value.reshape(shape + (omega.size,)) for name, value in found.items()}
@@ -236,10 +239,12 @@ def free_contact(*, stiffness: float, damping: float, mass1: float = 1.0, mass2:
     )
 
 
+@named
 def contact_of_frequency(
-    frequency: float, *, restitution: float, mass1: float = 1.0, mass2: float = 1.0
+    frequency: float, *, restitution: float | None = None, ratio: float | None = None, mass1: float = 1.0, mass2: float = 1.0
 ) -> dict[str, float]:
-    """Stiffness and damping of the contact with that frequency sqrt(k (1/M1 + 1/M2)), rad/s, and restitution, in (0, 1].
+    """Stiffness and damping of the contact with that frequency sqrt(k (1/M1 + 1/M2)), rad/s, and restitution, in (0, 1],
+    or damping ratio c/(2 sqrt(k m)), m = M1 M2/(M1 + M2), from 0.
 
     Examples
     --------
@@ -253,8 +258,10 @@ def contact_of_frequency(
     """
     frequency, mass1, mass2 = number(frequency, "frequency"), number(mass1, "mass1"), number(mass2, "mass2")
     mass = mass1 * mass2 / (mass1 + mass2)
-    ratio = _core.damping_ratio_of_restitution(number(restitution, "restitution"))
-    return {"contact_stiffness": mass * frequency**2, "contact_damping": 2 * ratio * mass * frequency}
+    if (restitution is None) == (ratio is None):
+        raise ValueError("give either restitution or ratio, of the damping of the contact")
+    damping = number(ratio, "ratio") if restitution is None else _core.damping_ratio_of_restitution(number(restitution, "restitution"))
+    return {"contact_stiffness": mass * frequency**2, "contact_damping": 2 * damping * mass * frequency}
 
 
 @named
@@ -316,7 +323,7 @@ def regime_map(
     contact_damping: Any = None,
     friction1: float | None = None,
     friction2: float | None = None,
-    protocol: str = "sweep-up",
+    protocol: str | None = None,
     body: str = "x1",
     tolerance: float = 1e-10,
     mean_tolerance: float = 0.01,
@@ -346,14 +353,10 @@ def regime_map(
         )  # fmt: skip
         free = [free_contact(stiffness=k, damping=c, mass1=mass1, mass2=mass2) for k, c in zip(*pairs)]
         return RegimeMap({**curves._values(), "restitution": np.array([each["restitution"] for each in free])})
-    for name, value in (("contact_damping", contact_damping), ("friction1", friction1), ("friction2", friction2)):
-        if value is not None:
-            raise ValueError(f"{name} has no meaning with restitution, whose contacts take no time")
-    if restitution is None:
-        raise ValueError("give either restitution or contact_stiffness with contact_damping")
+    contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
     omega = real_array(omega, "omega")
     restitution = real_array(restitution, "restitution")
-    options = _options(protocol, body, tolerance, mean_tolerance, threads)
+    options = _options("sweep-up" if protocol is None else protocol, body, tolerance, mean_tolerance, threads)
     scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
     found = _core.regime_map(*scene, restitution, omega, options, reporter(progress, "map"))
     found["regime_code"] = found.pop("regime")
@@ -415,6 +418,7 @@ def orbits(
     body: str = "x1",
     longest_period: int = 4,
     most_impacts: int = 16,
+    basins_at: Any = (),
     threads: int = 0,
     progress: Any = None,
 ) -> list[OrbitBranch]:
@@ -426,6 +430,10 @@ def orbits(
         Range of the parameter.
     parameter : {"omega", "force", "clearance", "restitution"}
         What changes; the others are held.
+    longest_period, most_impacts : int
+        Force periods and impacts of the longest orbits kept.
+    basins_at : float or array_like
+        Values within the range at which every orbit is followed that `basins` finds from its usual starts.
 
     Examples
     --------
@@ -434,9 +442,16 @@ def orbits(
     >>> branch.symmetric, branch.impacts, bool(branch.stable.all())
     (True, 2, True)
     """
+    one_of(parameter, "parameter", ("omega", "force", "clearance", "restitution"))
+    if not number(start, "start") < number(stop, "stop"):
+        raise ValueError(f"start is {start:g}; it must be less than stop, {stop:g}")
     for name, value in (("omega", omega), ("restitution", restitution)):
         if value is None and parameter != name:
             raise ValueError(f"{name} has no value; it is needed where {parameter} changes")
+    looked_at = real_array(np.atleast_1d(np.asarray(basins_at, dtype=float) if np.size(basins_at) == 0 else basins_at), "basins_at")
+    for value in looked_at:
+        if not start <= value <= stop:
+            raise ValueError(f"basins_at {value:g} lies outside of start to stop, {start:g} to {stop:g}")
     found = _core.orbits(
         number(mass1, "mass1"),
         number(mass2, "mass2"),
@@ -447,9 +462,10 @@ def orbits(
         text(parameter, "parameter"),
         number(start, "start"),
         number(stop, "stop"),
-        text(body, "body"),
+        body_of(body),
         count(longest_period, "longest_period"),
         count(most_impacts, "most_impacts"),
+        looked_at,
         count(threads, "threads"),
         reporter(progress, "orbits"),
     )
@@ -513,6 +529,7 @@ def limit_cycles(
     band: tuple[float, float] | None = None,
     harmonics: int = 5,
     starts: int = 3,
+    branches: bool = False,
 ) -> LimitCycles:
     """Limit cycles of two bodies with backlash under the force ``-C(s) x`` on body 2.
 
@@ -532,6 +549,8 @@ def limit_cycles(
         Where to look for symmetric cycles, rad/s.
     starts : int
         Motions simulated, 0 or more; none where the driven body is measured with dead time.
+    branches : bool
+        Predict on the orbits of more impacts under a sine force too; of free masses, some seconds.
 
     Examples
     --------
@@ -546,6 +565,7 @@ def limit_cycles(
         None if band is None else pair(band, "band"),
         count(harmonics, "harmonics"),
         count(starts, "starts"),
+        bool(branches),
     )
     return LimitCycles(found)
 
@@ -579,6 +599,21 @@ def jump_frequency(
     return _core.jump_frequency(*(number(each, "scene") for each in scene), text(criterion, "criterion"))
 
 
+def contact_or_none(restitution: Any, stiffness: Any, damping: Any, friction1: Any, friction2: Any) -> dict[str, Any] | None:
+    """Contacts that take time, and dry friction, as they were given; None where a restitution was given instead."""
+    if (stiffness is None) == (restitution is None):
+        raise ValueError("give either restitution or contact_stiffness with contact_damping")
+    if stiffness is not None:
+        if damping is None:
+            raise ValueError("contact_stiffness needs contact_damping")
+        friction = {"friction1": friction1, "friction2": friction2}
+        return {"contact_stiffness": stiffness, "contact_damping": damping, **{name: 0.0 if value is None else value for name, value in friction.items()}}
+    for name, value in (("contact_damping", damping), ("friction1", friction1), ("friction2", friction2)):
+        if value is not None:
+            raise ValueError(f"{name} has no meaning with restitution, whose contacts take no time")
+    return None
+
+
 def _model(given: Model | str) -> Model:
     return given if isinstance(given, Model) else Model(given)
 
@@ -594,14 +629,14 @@ def _bodies(
         "drive_receptance": None if drive_receptance is None else _model(drive_receptance)._tf,
         "clearance": number(clearance, "clearance"),
         "restitution": number(restitution, "restitution"),
-        "body": text(body, "body"),
+        "body": body_of(body),
     }
 
 
 def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:
     return {
         "protocol": text(protocol, "protocol"),
-        "body": text(body, "body"),
+        "body": body_of(body),
         "tolerance": number(tolerance, "tolerance"),
         "mean_tolerance": number(mean_tolerance, "mean_tolerance"),
         "threads": count(threads, "threads"),

@@ -8,6 +8,7 @@ Report = Callable[[int, int], Any] | None
 version: str
 regimes: tuple[str, ...]
 history_events: tuple[str, ...]
+compliant_events: tuple[str, ...]
 loop_events: tuple[str, ...]
 
 class NoRatio(ValueError): ...
@@ -98,8 +99,22 @@ def realise(model: TransferFunction, lower: float, upper: float, tolerance: floa
 def approximate(
     order: float, lower: float, upper: float, tolerance: float | None, poles: int | None, method: str, /
 ) -> dict[str, Any]: ...
+def digital_power(
+    order: float,
+    lower: float,
+    upper: float,
+    tolerance: float | None,
+    poles: int | None,
+    method: str,
+    sample_time: float,
+    discretisation: str,
+    taps: int,
+    amplification: float,
+    /,
+) -> dict[str, Any]: ...
 def mittag_leffler_points(alpha: float, beta: float, z: np.ndarray, /) -> np.ndarray: ...
 def mittag_leffler(alpha: np.ndarray, beta: np.ndarray, z: np.ndarray, derivative: bool, /) -> np.ndarray: ...
+def prabhakar(alpha: np.ndarray, beta: np.ndarray, gamma: np.ndarray, z: np.ndarray, /) -> np.ndarray: ...
 def describing_functions(
     mass1: np.ndarray,
     mass2: np.ndarray,
@@ -111,8 +126,22 @@ def describing_functions(
     report: Report,
     /,
 ) -> dict[str, Any]: ...
+def bodies_describing_functions(
+    scene: list[np.ndarray],
+    load: TransferFunction | None,
+    drive: TransferFunction | None,
+    omega: np.ndarray,
+    options: dict[str, Any],
+    /,
+) -> dict[str, Any]: ...
 def compliant_describing_functions(
-    scene: list[np.ndarray], omega: np.ndarray, options: dict[str, Any], report: Report, /
+    scene: list[np.ndarray],
+    load: TransferFunction | None,
+    drive: TransferFunction | None,
+    omega: np.ndarray,
+    options: dict[str, Any],
+    report: Report,
+    /,
 ) -> dict[str, Any]: ...
 def free_contact(stiffness: float, damping: float, mass1: float, mass2: float, /) -> dict[str, float]: ...
 def damping_ratio_of_restitution(restitution: float, /) -> float: ...
@@ -149,16 +178,44 @@ def orbits(
     body: str,
     longest_period: int,
     most_impacts: int,
+    basins_at: np.ndarray,
     threads: int,
     report: Report,
     /,
 ) -> list[dict[str, Any]]: ...
 def limit_cycles(
-    controller: TransferFunction, bodies: dict[str, Any], band: tuple[float, ...] | None, harmonics: int, starts: int, /
+    controller: TransferFunction,
+    bodies: dict[str, Any],
+    band: tuple[float, ...] | None,
+    harmonics: int,
+    starts: int,
+    branches: bool,
+    /,
 ) -> dict[str, Any]: ...
 def loop(controller: TransferFunction, bodies: dict[str, Any], options: dict[str, Any], /) -> dict[str, Any]: ...
 def history(
     scene: tuple[float, ...], position: float | None, velocity: float, skip: int, periods: int, samples: int, /
+) -> dict[str, Any]: ...
+def compliant_history(
+    scene: tuple[float, ...],
+    contact: tuple[float, ...],
+    position: float | None,
+    velocity: float,
+    skip: int,
+    periods: int,
+    samples: int,
+    /,
+) -> dict[str, Any]: ...
+def history_record(
+    scene: tuple[float, ...],
+    contact: tuple[float, ...] | None,
+    omega: np.ndarray,
+    position: float | None,
+    velocity: float,
+    skip: int,
+    periods: int,
+    sensors: tuple[Any, ...],
+    /,
 ) -> dict[str, Any]: ...
 def basins(
     scene: tuple[float, ...], position: np.ndarray, velocity: np.ndarray, body: str, threads: int, report: Report, /

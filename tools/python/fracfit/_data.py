@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _core
-from ._arrays import NO_NUMBERS, complex_array, mapping, number, real_array, text
+from ._arrays import NO_NUMBERS, complex_array, in_words, mapping, number, path_of, real_array, text
 from ._tables import Table, column_unit
 from ._text import html_table
 from ._words import named, no_attribute
@@ -197,7 +197,10 @@ class FrequencyResponse(_Samples):
             if isinstance(condition, str):
                 from . import _files
 
-                kept &= _files.points_where(condition, self._omega, self._response)
+                try:
+                    kept &= _files.points_where(condition, self._omega, self._response)
+                except ValueError as reason:
+                    raise ValueError(str(reason).replace("--where", "condition")) from None
                 continue
             mask = np.asarray(condition)
             if mask.dtype != bool or mask.shape != kept.shape:
@@ -561,7 +564,10 @@ def read(
         "quantity": quantity,
     }
     conditions = [where] if isinstance(where, str) else list(where)
-    found = _files.read(os.fspath(path), given, conditions)
+    try:
+        found = _files.read(path_of(path, "path"), given, conditions)
+    except (ValueError, RuntimeError) as reason:
+        raise type(reason)(in_words(reason)) from None
     is_response = "omega" in found
     idle = {"hold": hold != "zero-order", "input_at_rest": input_at_rest != 0} if is_response else given
     for name, is_given in idle.items():
@@ -606,7 +612,7 @@ def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]
     """
     from . import _files
 
-    return _files.sweep_names(os.fspath(path), key_column)
+    return _files.sweep_names(path_of(path, "path"), key_column)
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

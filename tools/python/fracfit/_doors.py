@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,8 @@ def data_of(given: Any, values: Any = None, *, name: str = "data") -> FrequencyR
         hint = "; write the two arrays as two arguments, frequencies in Hz first, or FrequencyResponse(omega, response) for rad/s"
     elif isinstance(given, np.ndarray):
         hint = "; an array alone has no frequencies"
-    raise ValueError(f"{name} are of the type {type(given).__name__}; expected {_EXPECTED}{hint}")
+    are = "is" if name.startswith("a ") else "are"
+    raise ValueError(f"{name} {are} of the type {type(given).__name__}; expected {_EXPECTED}{hint}")
 
 
 def response_of(given: Any, values: Any = None, *, name: str = "data") -> FrequencyResponse:
@@ -56,6 +58,8 @@ def _of_arrays(f: Any, values: Any) -> FrequencyResponse:
     frequencies, response = real_array(f, "f"), complex_array(values, "Z")
     if frequencies.size != response.size:
         raise ValueError(f"f has {frequencies.size} entries and Z has {response.size}; expected one value for each frequency")
+    if not frequencies.size:
+        raise ValueError("f and Z are empty; expected one value for each frequency")
     if not np.iscomplexobj(values):
         raise ValueError("Z is real; expected complex values, such as re + 1j*im")
     return FrequencyResponse.from_hz(frequencies, response)
@@ -126,7 +130,8 @@ def _of_table(given: Any) -> FrequencyResponse | TimeSeries | None:
         try:
             found = read(path)
         except RuntimeError as reason:
-            raise ValueError(str(reason).replace(path, "the table")) from None
+            said = re.sub(r":1:\d+: ", " has ", str(reason).replace(path, "the table").removesuffix(" with frequency_unit"), count=1)
+            raise ValueError(said.replace(", or columns f=1,re=2,im=3", "")) from None
     if isinstance(found, FrequencyResponse):
         found.metadata.pop("source", None)
     return found

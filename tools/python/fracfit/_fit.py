@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Se
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
+from ._arrays import body_of, complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of, response_of
@@ -261,7 +261,9 @@ class FitResult(Table, FitResultNumbers):
         RuntimeError
             A refit went below the cost of the result, which is then no minimum.
         """
-        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, text(parameter, "parameter"))
+        if text(parameter, "parameter") not in self.parameters:
+            raise ValueError(f"the fit has no parameter {parameter!r}; it has {', '.join(self.parameters)}")
+        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, parameter)
         if better:
             raise RuntimeError(f"a refit with {parameter} held went below the cost of the result; fit again with another seed")
         return lower, upper
@@ -615,7 +617,7 @@ def weight_of(given: str | None, data: Sequence[FrequencyResponse | TimeSeries],
     """The weight that is told, else that of a sigma that was measured in all responses."""
     responses = [each for each in data if isinstance(each, FrequencyResponse)]
     measured = bool(responses) and all(each.sigma_is_measured for each in responses)
-    return given if given is not None else "given" if measured else otherwise
+    return text(given, "weight") if given is not None else "given" if measured else otherwise
 
 
 def _fitted_part(data: Any, component: Any) -> tuple[Any, Any]:
@@ -875,6 +877,9 @@ def identify(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    bounds: Limits = None,
+    folds: int | None = None,
+    bound: Limits = None,
 ) -> Identification:
     """Ranks structures on data and says whether they speak for a fractional order.
 
@@ -886,6 +891,11 @@ def identify(
         Formulas, presets and families such as ``"rational:1..8"``; all presets and families if empty.
     curves : mapping of str to array_like, optional
         Further candidates given by their values at the frequencies of the data.
+    bounds : mapping, optional
+        Limits of every candidate that is a preset or a formula and has the parameter.
+    folds : int, optional
+        Cross-validates each candidate: predicts each of so many blocks of neighbouring points from the others;
+        ``prediction_rms`` of each in the ranking.
     component, weight, loss, outliers, ...
         As of `fit`.
 
@@ -897,7 +907,10 @@ def identify(
     'fractional-lag'
     """
     data, component = _fitted_part(data_of(data), component)
-    names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
+    if isinstance(models, str):
+        # As the command line separates them; no formula has a comma.
+        models = [each.strip() for each in models.split(",")]
+    names = [_structure(each)[0] for each in ([models] if isinstance(models, Model) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,
         "weight": weight_of(weight, [data]),
@@ -913,6 +926,8 @@ def identify(
         "earlier_input": earlier_input,
     }
     _refuse_idle(data, options, identify)
+    options |= {"bounds": _ranges(_by_name(_one_of(bounds, bound, "bounds", "bound"), "bounds", "NAME=LOW:HIGH") or {})}
+    options |= {"folds": None if folds is None else count(folds, "folds")}
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("said"), 4)
@@ -952,6 +967,8 @@ class Tuning(_Record, TuningNumbers):
     region : dict
         For a fit the worst of the plants of its joint 95 % region: plants, not_stable, max_sensitivity,
         max_complementary_sensitivity, least_phase_margin, lowest_crossover, highest_crossover, status and message.
+    plant : str
+        For a record of a relay experiment the formula of the plant that explains it best.
     motion, motion_regardless, regardless, constraints
         With a clearance the motion that persists (swing in m, omega, verified, cycles, simulations), that with the controller
         which regards no clearance, that controller, and what holds the answer where it is.
@@ -961,6 +978,7 @@ class Tuning(_Record, TuningNumbers):
     summary: str
     specification: list[tuple[str, float, float, bool]]
     controller: str
+    plant: str
     region: dict[str, Any]
     motion: dict[str, Any]
     motion_regardless: dict[str, Any]
@@ -1012,6 +1030,7 @@ def tune(
     load_receptance: Model | str | None = None,
     drive_receptance: Model | str | None = None,
     body: str = "x1",
+    from_relay: TimeSeries | Any = None,
 ) -> Tuning:
     """Gains and orders of a fractional PID for a plant.
 
@@ -1038,6 +1057,9 @@ def tune(
         The integrals are of a step response of length `horizon` (s).
     clearance, restitution, mass1, mass2, load_receptance, drive_receptance, body
         Two bodies with backlash, as of `limit_cycles`: no motion is to persist, or the smallest.
+    from_relay : TimeSeries, optional
+        In place of a plant samples of input and output of a relay experiment or any other: a lag, a fractional lag, a second
+        order, three equal lags or an integrator with lag, each with dead time, whichever explains them best; then as a fit.
 
     Examples
     --------
@@ -1046,8 +1068,8 @@ def tune(
     >>> found.usable, round(math.degrees(found.phase_margin), 6)
     (True, 60.0)
     """
-    if (plant is None) == (clearance is None):
-        raise ValueError("give either plant, a model or a fit, or clearance, of two bodies that are the plant")
+    if sum(each is not None for each in (plant, clearance, from_relay)) != 1:
+        raise ValueError("give one of plant, a model or a fit, of from_relay, a record, and of clearance, of two bodies that are the plant")
     if clearance is None:
         of_bodies = {
             "restitution": restitution,
@@ -1086,6 +1108,11 @@ def tune(
 
         bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
         return Tuning(_fitting.tune_with_backlash(bodies, specification, options))
+    if from_relay is not None:
+        record = data_of(from_relay, name="from_relay")
+        if not isinstance(record, TimeSeries):
+            raise ValueError(f"from_relay is of the type {type(record).__name__}; expected a TimeSeries, samples of input and output")
+        return Tuning(_fitting.tune_from_relay(record._arrays(), specification, options))
     if isinstance(plant, (FrequencyResponse, TimeSeries)):
         raise ValueError(f"plant is of the type {type(plant).__name__}; fit a model to it, and give the result: its region is kept in mind")
     if isinstance(plant, FitResult):
@@ -1145,6 +1172,8 @@ def identify_scene(
     weight: str | None = None,
     contact: str = "auto",
     friction: str = "none",
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
     threads: int = 0,
     fix: Known = None,
     bound: Limits = None,
@@ -1170,6 +1199,9 @@ def identify_scene(
         "auto" hold for both.
     friction : {"none", "auto", "estimate"}
         Dry friction of both masses: taken for none, estimated where the data tell it from none, or estimated always.
+    load_receptance, drive_receptance : Model or str, optional
+        Displacement per force of body 1 and 2, m/N, with names to estimate, such as "1/(m1 s^2 + b1 s)", instead of free
+        masses; `fixed` and `bounds` take these names, values of a Model are starts, contacts are hard then.
 
     Examples
     --------
@@ -1184,10 +1216,23 @@ def identify_scene(
     forces = real_array(np.atleast_1d(force), "force")
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
+    for i, curve in enumerate(curves):
+        if curve.unit.lower() not in ("", "m/n", "m_per_n"):
+            raise ValueError(f"curves[{i}] has values in {curve.unit}; expected a motion over a force, in m/N")
     chosen = weight_of(weight, curves, "relative")
+    receptances, starts = {"load_receptance": "", "drive_receptance": ""}, {}
+    for name, given in (("load_receptance", load_receptance), ("drive_receptance", drive_receptance)):
+        if given is not None:
+            model = given if isinstance(given, Model) else Model(given)
+            receptances[name] = model.formula
+            starts.update(model.parameters)
+    if any(receptances.values()) and (contact == "compliant" or friction != "none"):
+        wrong = "contact" if contact == "compliant" else "friction"
+        raise ValueError(f"{wrong} has no meaning with receptances, which know hard contacts and viscous friction only")
     request = {
-        **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
-        "body": text(body, "body"),
+        **receptances,
+        **_known(starts, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
+        "body": body_of(body),
         "component": text(component, "component"),
         "weight": text(chosen, "weight"),
         "sigma_is_measured": chosen == "given" and all(curve.sigma_is_measured for curve in curves),
@@ -1303,6 +1348,9 @@ def _warn(notes: Sequence[str], level: int = 3) -> None:
 _WORD = re.compile("[a-z][a-z_-]{3,}")
 
 
+# Elements side by side, "p(R1,C1)", or with numbers behind an underscore, "R_1-p(...)".
+_CIRCUIT_STRING = re.compile(r"(?<![A-Za-z0-9_])p\([^()]*,")
+
 _LAW_OF_ONE_PART = "component-power-law"
 
 
@@ -1313,6 +1361,8 @@ def _structure(model: Model | str, *, of_one_part: bool = False) -> tuple[str, d
         raise ValueError(
             f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset; Model(system) is that of another package"
         )
+    if _CIRCUIT_STRING.search(model):
+        raise ValueError(f"model {model!r} is a circuit string of impedance.py; write it as a formula of s, such as R0 + R1/(1 + R1 C1 s), or name a preset")
     if not _WORD.fullmatch(model):
         return model, {}
     if model == _LAW_OF_ONE_PART and not of_one_part:

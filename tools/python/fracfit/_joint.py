@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Sequence
+from typing import Any, Literal, Mapping, Sequence, overload
 
 import numpy as np
 
@@ -35,6 +35,9 @@ class JointFit(_Record, JointFitNumbers, Table):
     priors: list[dict[str, Any]]
     usable: bool
     summary: str
+    _data: list[Any]
+    _shift: str | None
+    _realisation: Mapping[str, Any] | None
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -57,6 +60,32 @@ class JointFit(_Record, JointFitNumbers, Table):
         shared = self.parameters
         names = [each["name"] for each in self.curves[0]["parameters"]] if self.curves else []
         return {name: self._over_curves(name, "value") for name in names if name not in shared}
+
+    def master_curve(self) -> MasterCurve:
+        """Every point of all curves moved onto the master curve, with what the fit says there; of fits with `shift`.
+
+        Examples
+        --------
+        >>> import fracfit, numpy as np
+        >>> omega, lag = np.logspace(-1, 1, 9), "K/(T s^a + 1)"
+        >>> curves = [fracfit.Model(lag, K=1, T=T, a=0.7).frequency_response(omega) for T in (1, 3)]
+        >>> master = fracfit.joint_fit(curves, lag, shift="horizontal").master_curve()
+        >>> bool(np.allclose(master.response, master.model, atol=1e-6)), bool((np.diff(master.omega) >= 0).all())
+        (True, True)
+        """
+        if self._shift is None:
+            raise ValueError("the curves lie on no master curve: fit them with shift='horizontal' or 'both'")
+        parts: dict[str, list[Any]] = {name: [] for name in ("omega", "response", "curve", "omega_measured", "model")}
+        for name, data, curve in zip(self.names, self._data, self.curves):
+            values = {each["name"]: each["value"] for each in curve["parameters"]}
+            omega = data.omega * values.get("aT", 1.0)
+            formula = Model(self.model)
+            still = {each: 1.0 if each in ("aT", "bT") else values[each] for each in formula.parameter_names}
+            model = Model(self.model, **still).frequency_response(omega, realisation=self._realisation).response
+            for key, column in zip(parts, (omega, data.response / values.get("bT", 1.0), [name] * data.size, data.omega, model)):
+                parts[key].extend(column)
+        order = np.argsort(parts["omega"], kind="stable")
+        return MasterCurve({key: np.array(column)[order] for key, column in parts.items()})
 
     def _over_curves(self, name: str, key: str) -> np.ndarray:
         return np.array([next(p[key] for p in curve["parameters"] if p["name"] == name) for curve in self.curves])
@@ -90,6 +119,35 @@ class JointFit(_Record, JointFitNumbers, Table):
             f"{self.model}, {len(self.curves)} curves",
         )
         return shared + html_table(list(columns), [[float(cell) if isinstance(cell, np.floating) else cell for cell in row] for row in rows])
+
+
+class MasterCurve(_Record, Table):
+    """All curves of a joint fit moved onto one.
+
+    Attributes
+    ----------
+    omega, response : ndarray
+        Frequency times aT, rad/s, rising, and value over bT.
+    curve : ndarray of str
+        Name of the curve that each point is of.
+    omega_measured : ndarray
+        Where it was measured, rad/s.
+    model : ndarray of complex
+        What the fit says there.
+    """
+
+    omega: np.ndarray
+    response: np.ndarray
+    curve: np.ndarray
+    omega_measured: np.ndarray
+    model: np.ndarray
+
+    def _columns(self) -> dict[str, Any]:
+        columns = {"omega": self.omega, "re": self.response.real, "im": self.response.imag, "curve": self.curve}
+        return {**columns, "omega_measured": self.omega_measured, "model_re": self.model.real, "model_im": self.model.imag}
+
+    def __repr__(self) -> str:
+        return f"MasterCurve({self.omega.size} points of {len(set(self.curve))} curves, {self.omega[0]:.6g} to {self.omega[-1]:.6g} rad/s)"
 
 
 @named
@@ -190,7 +248,8 @@ def joint_fit(
         "threads": count(threads, "threads"),
         **beforehand,
     }
-    return JointFit(_fitting.joint_fit([curve._arrays() for curve in curves], labels, known, formula, options, texts(derive, "derive")))
+    found = _fitting.joint_fit([curve._arrays() for curve in curves], labels, known, formula, options, texts(derive, "derive"))
+    return JointFit({**found, "_data": curves, "_shift": shift, "_realisation": realisation})
 
 
 def _words(given: str | Sequence[str], name: str) -> list[str]:
@@ -269,9 +328,63 @@ class JumpLaw(_Record, JumpLawNumbers, Table):
         return html_table(["clearance, m", "a", "b"], rows, self.summary)
 
 
+class JumpConstants(_Record, Table):
+    """Constants ``c = w_J/sqrt(F/(M2 Delta))`` of the jump.
+
+    Attributes
+    ----------
+    rows : list of dict
+        Each with similarity_constant (None where there is no jump) and message, what happens at the jump or why there is none;
+        and restitution, or of contacts that take time force (N), clearance (m), contact_stiffness (N/m), contact_damping
+        (N s/m), stiffness_group ``K Delta M2/(m F)`` and exponent, of the force near by.
+    """
+
+    rows: list[dict[str, Any]]
+
+    def _columns(self) -> dict[str, Any]:
+        unit = {"force": "force_n", "clearance": "clearance_m", "contact_stiffness": "contact_stiffness_n_m", "contact_damping": "contact_damping_n_s_m", "message": "meaning"}
+        names = list(self.rows[0]) if self.rows else []
+        columns = {unit.get(name, name): [row[name] for row in self.rows] for name in names}
+        return {name: values if name == "meaning" else np.array(values, dtype=float) for name, values in columns.items()}
+
+    def __repr__(self) -> str:
+        return f"JumpConstants({len(self.rows)} rows, {sum(row['similarity_constant'] is not None for row in self.rows)} with a jump)"
+
+
+@overload
+def jump_law(
+    *,
+    constants: Literal[False] = False,
+    restitution: Any = None,
+    force: Any = ...,
+    clearance: Any = ...,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    contact_stiffness: Any = None,
+    contact_damping: Any = None,
+    criterion: str | None = None,
+    threads: int = 0,
+    progress: Any = None,
+) -> JumpLaw: ...
+@overload
+def jump_law(
+    *,
+    constants: Literal[True],
+    restitution: Any = None,
+    force: Any = ...,
+    clearance: Any = ...,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    contact_stiffness: Any = None,
+    contact_damping: Any = None,
+    criterion: str | None = None,
+    threads: int = 0,
+    progress: Any = None,
+) -> JumpConstants: ...
 @named
 def jump_law(
     *,
+    constants: bool = False,
     restitution: Any = None,
     force: Any = (10.0, 20.0, 30.0, 40.0, 50.0),
     clearance: Any = (0.01, 0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5),
@@ -282,11 +395,14 @@ def jump_law(
     criterion: str | None = None,
     threads: int = 0,
     progress: Any = None,
-) -> JumpLaw:
+) -> JumpLaw | JumpConstants:
     """Jump frequency over force and clearance, and its power laws.
 
     Parameters
     ----------
+    constants : bool
+        Instead of the laws the constants ``w_J/sqrt(F/(M2 Delta))`` over restitution, with what happens at each jump: a
+        `JumpConstants`.  Where contacts take time there is one for each force, clearance and contact.
     restitution, force, clearance : array_like
         Coefficients of restitution that are averaged over, force amplitudes (N) and clearances (m), two or more different
         ones of the latter two; by default the grid of the paper.
@@ -322,6 +438,10 @@ def jump_law(
         contacts = [np.ascontiguousarray(each, dtype=float) for each in np.broadcast_arrays(
             *(real_array(np.atleast_1d(value), name) for name, value in (("contact_stiffness", contact_stiffness), ("contact_damping", contact_damping)))
         )]  # fmt: skip
+        if constants:
+            return JumpConstants({"rows": _fitting.contact_jump_constants(*masses, *lists[:2], *contacts, text(criterion, "criterion"))})
         return JumpLaw(_fitting.contact_jump_law(*masses, *lists[:2], *contacts, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law")))
-    found = _fitting.jump_law(*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
-    return JumpLaw(found)
+    request = (*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
+    if constants:
+        return JumpConstants({"rows": _fitting.jump_constants(*request)})
+    return JumpLaw(_fitting.jump_law(*request))

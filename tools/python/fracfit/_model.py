@@ -26,8 +26,8 @@ def realisation_of(choice: Mapping[str, Any] | None) -> dict[str, Any]:
         return EXACT
     unknown = set(mapping(choice, "realisation")) - set(_REALISATION)
     if unknown or choice.get("name") is None:
-        wrong = f"no {sorted(unknown)[0]!r}" if unknown else "to have a name"
-        raise ValueError(f"realisation {dict(choice)!r} is expected {wrong}; it takes {', '.join(_REALISATION)}")
+        wrong = f"has no {sorted(unknown)[0]!r}" if unknown else "needs a name"
+        raise ValueError(f"realisation {wrong}; it takes {', '.join(_REALISATION)}, as in {{'name': 'oustaloup', 'band': (0.01, 100), 'poles': 9}}")
     return {key: _REALISATION[key](value, f"{key} of realisation") for key, value in choice.items() if value is not None}
 
 
@@ -158,8 +158,59 @@ class Realisation(_Record):
         return _scipy_signal().StateSpace(*self.ss)
 
 
+class DigitalPower(_Record):
+    """The recursion in the samples that stands for a power of s.
+
+    ``H(z) = ((1 - 1/z)/T)^differences (T/2 (z + 1)/(z - 1))^integrators (sum taps_k z^-k) gain prod(1 + feed/(z - 1 + rate))``
+
+    Attributes
+    ----------
+    sample_time : float
+        T, in seconds.
+    discretisation : str
+    taps, rates, feeds : ndarray
+        Of the transversal part, and of each section of first order: ``y = x + feed v``, ``v += x - rate v``.
+    gain : float
+    differences, integrators : int
+    max_relative_error, omega_at_maximum : float
+        Of H against the power on the band.
+    most_amplification : float
+        Largest gain between the band and half the sampling frequency, over that of the power.
+    usable : bool
+    message, summary : str
+    """
+
+    sample_time: float
+    discretisation: str
+    taps: np.ndarray
+    rates: np.ndarray
+    feeds: np.ndarray
+    gain: float
+    differences: int
+    integrators: int
+    max_relative_error: float
+    omega_at_maximum: float
+    most_amplification: float
+    usable: bool
+    message: str
+    summary: str
+
+    def response(self, omega: Any) -> np.ndarray:
+        """H at frequencies in rad/s, above 0 and below pi/T."""
+        x = real_array(omega, "omega") * self.sample_time
+        if not ((x > 0) & (x < math.pi)).all():
+            raise ValueError(f"omega holds frequencies outside of 0 to {math.pi / self.sample_time:.6g} rad/s, half the sampling frequency")
+        z = np.exp(1j * x)
+        whole = ((1 - 1 / z) / self.sample_time) ** self.differences * (self.sample_time / 2 * (z + 1) / (z - 1)) ** self.integrators
+        sections = np.prod(1 + self.feeds / (z[:, None] - 1 + self.rates), axis=1)
+        return np.polynomial.polynomial.polyval(1 / z, self.taps) * whole * self.gain * sections  # type: ignore[no-any-return]
+
+
 class Approximation(_Record):
-    """Zeros, poles and gain that stand for a power of s on a band: ``gain s^integer_order prod(s - z)/prod(s - p)``."""
+    """Zeros, poles and gain that stand for a power of s on a band: ``gain s^integer_order prod(s - z)/prod(s - p)``.
+
+    ``digital`` is the recursion in the samples where a sample time was given, else None.
+    """
 
     zeros: np.ndarray
     poles: np.ndarray
@@ -172,6 +223,7 @@ class Approximation(_Record):
     usable: bool
     message: str
     summary: str
+    digital: DigitalPower | None
 
     @property
     def zpk(self) -> tuple[np.ndarray, np.ndarray, float]:
@@ -738,8 +790,12 @@ def approximate(
     tolerance: float | None = None,
     poles: int | None = None,
     method: str = "ladder",
+    sample_time: float | None = None,
+    discretisation: str | None = None,
+    amplification: float | None = None,
+    taps: int | None = None,
 ) -> Approximation:
-    """Rational approximation of ``s^order`` on a band.
+    """Rational approximation of ``s^order`` on a band, and with a sample time the recursion in the samples.
 
     Parameters
     ----------
@@ -753,6 +809,14 @@ def approximate(
         Their number.
     method : {"ladder", "oustaloup", "oustaloup-widened", "refined-oustaloup", "matsuda", "carlson", "cfe", "charef"}
         Where zeros and poles come from.
+    sample_time : float, optional
+        In seconds: gives ``digital``, the recursion in the samples.
+    discretisation : {"direct", "tustin", "tustin-prewarped", "al-alaoui", "grunwald-letnikov"}
+        How it is made; "direct" if not given.
+    amplification : float, optional
+        With "direct" the most gain between the band and half the sampling frequency, over that of the power; 5 if not given.
+    taps : int, optional
+        With "grunwald-letnikov" its memory in samples; 1000 if not given.
 
     Examples
     --------
@@ -760,10 +824,27 @@ def approximate(
     >>> half = fracfit.approximate(0.5, (0.01, 100), tolerance=1e-3)
     >>> half.max_relative_error < 1e-3
     True
+    >>> recursion = fracfit.approximate(0.5, (0.1, 100), tolerance=1e-3, sample_time=1e-3).digital
+    >>> bool(abs(recursion.response([10.0])[0] / (10j) ** 0.5 - 1) < 1e-3)
+    True
     """
+    for name, value, rule in (("amplification", amplification, "direct"), ("taps", taps, "grunwald-letnikov")):
+        if value is not None and (discretisation or "direct") != rule:
+            raise ValueError(f"{name} has no meaning but with discretisation {rule!r}")
+    for name, value in (("discretisation", discretisation), ("amplification", amplification), ("taps", taps)):
+        if value is not None and sample_time is None:
+            raise ValueError(f"{name} has no meaning without sample_time, which asks for the recursion in the samples")
     tolerance = None if tolerance is None else number(tolerance, "tolerance")
     poles = None if poles is None else count(poles, "poles")
-    return Approximation(_core.approximate(number(order, "order"), *pair(band, "band"), tolerance, poles, text(method, "method")))
+    wanted = (number(order, "order"), *pair(band, "band"), tolerance, poles, text(method, "method"))
+    found = _core.approximate(*wanted)
+    found["digital"] = None
+    if sample_time is not None:
+        rule = text("direct" if discretisation is None else discretisation, "discretisation")
+        memory, gain = 1000 if taps is None else count(taps, "taps"), 5.0 if amplification is None else number(amplification, "amplification")
+        found["digital"] = DigitalPower(_core.digital_power(*wanted, number(sample_time, "sample_time"), rule, memory, gain))
+        found["usable"] = found["usable"] and found["digital"].usable
+    return Approximation(found)
 
 
 def _control() -> Any:

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, text
+from ._arrays import body_of, count, number, pair, real_array, seed_number
+from ._backlash import contact_or_none
 from ._data import TimeSeries
 from ._model import Model, _Record
 from ._tables import Table
@@ -59,17 +60,24 @@ class History(_Motion):
     time, x1, v1, x2, v2 : ndarray
         s, m and m/s; the force is at its peak at time 0.
     event : ndarray of str
-        sample, before-impact, after-impact, rest-begin or release.
+        sample, before-impact, after-impact, rest-begin or release; with contacts that take time sample, contact, separation
+        (the wall presses no more), parting (the overlap has ended), and of each mass with friction stick-1, slide-1, reversal-1.
+    contact_force : ndarray or None
+        N, between the masses; None of contacts that take no time.
     complete : bool
-        False where the millionth impact ended it early.
+        False where the millionth impact ended it early, or contacts that take time had 10^5 events in a period.
     usable : bool
         False where the periods to skip held more impacts than can be followed.
     """
 
     contact_code: np.ndarray
+    contact_force: np.ndarray | None
     complete: bool
     usable: bool
-    _words = _core.history_events
+
+    @property
+    def _words(self) -> tuple[str, ...]:  # type: ignore[override]
+        return _core.history_events if self.contact_force is None else _core.compliant_events
 
     @property
     def contact(self) -> np.ndarray:
@@ -77,7 +85,8 @@ class History(_Motion):
         return np.array(["none", "near", "far"])[self.contact_code]
 
     def _columns(self) -> dict[str, Any]:
-        return {**super()._columns(), "contact": self.contact}
+        columns = {**super()._columns(), "contact": self.contact}
+        return columns if self.contact_force is None else {**columns, "contact_force_n": self.contact_force}
 
 
 class LoopMotion(_Motion):
@@ -108,6 +117,47 @@ class LoopMotion(_Motion):
     end_time: float
     realisation_error: float
     note: str
+
+
+class RigRecord(_Record, Table):
+    """What a rig writes down of two masses with backlash, as its sensors read it; `response` takes it.
+
+    Attributes
+    ----------
+    time : ndarray
+        s, at equal steps, as the clock gives it.
+    force, x1, x2 : ndarray
+        N, m.
+    sample_time : float
+        s
+    complete : bool
+        False where the motion could not be followed to its end: of `history` nothing is left then.
+    """
+
+    time: np.ndarray
+    force: np.ndarray
+    x1: np.ndarray
+    x2: np.ndarray
+    sample_time: float
+    complete: bool
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.time.size
+
+    def series(self, body: str = "x1") -> TimeSeries:
+        """Force and position of one body, as fits over time take them."""
+        return TimeSeries(self.time, self.force, getattr(self, body_of(body)))
+
+    def _columns(self) -> dict[str, Any]:
+        return {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
+
+    def __repr__(self) -> str:
+        return f"RigRecord({self.size} samples, every {self.sample_time:g} s{'' if self.complete else ', not complete'})"
+
+    def _repr_html_(self) -> str:
+        return f"<p><strong>{self!r}</strong></p>"
 
 
 class Basins(_Record, Table):
@@ -148,31 +198,69 @@ class Basins(_Record, Table):
         return "\n".join(lines)
 
 
+@overload
+def history(
+    omega: float, *, restitution: float | None = None, force: float = 1.0, clearance: float = 1.0, mass1: float = 1.0,
+    mass2: float = 1.0, contact_stiffness: float | None = None, contact_damping: float | None = None,
+    friction1: float | None = None, friction2: float | None = None, position: float | None = None, velocity: float = 0.0,
+    skip: int = 0, periods: int = 5, samples: int | None = None, sample_time: None = None,
+) -> History: ...  # fmt: skip
+@overload
+def history(
+    omega: Any, *, restitution: float | None = None, force: float = 1.0, clearance: float = 1.0, mass1: float = 1.0,
+    mass2: float = 1.0, contact_stiffness: float | None = None, contact_damping: float | None = None,
+    friction1: float | None = None, friction2: float | None = None, position: float | None = None, velocity: float = 0.0,
+    skip: int = 0, periods: int = 5, samples: None = None, sample_time: float, sensor_noise: float = 0.0, force_noise: float = 0.0, quantisation: float = 0.0, clip: float = math.inf,
+    sensor_delay: float = 0.0, clock_jitter: float = 0.0, seed: int = 1,
+) -> RigRecord: ...  # fmt: skip
 @named
 def history(
-    omega: float,
+    omega: Any,
     *,
-    restitution: float,
+    restitution: float | None = None,
     force: float = 1.0,
     clearance: float = 1.0,
     mass1: float = 1.0,
     mass2: float = 1.0,
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     position: float | None = None,
     velocity: float = 0.0,
     skip: int = 0,
     periods: int = 5,
-    samples: int = 100,
-) -> History:
+    samples: int | None = None,
+    sample_time: float | None = None,
+    sensor_noise: float = 0.0,
+    force_noise: float = 0.0,
+    quantisation: float = 0.0,
+    clip: float = math.inf,
+    sensor_delay: float = 0.0,
+    clock_jitter: float = 0.0,
+    seed: int = 1,
+) -> History | RigRecord:
     """Positions and velocities of two masses with backlash under a sine force, exact at every impact.
 
     Parameters
     ----------
     omega : float
-        rad/s, of the force, which is at its peak at time 0.
+        rad/s, of the force, which is at its peak at time 0; in a record several, one after the other.
+    contact_stiffness, contact_damping, friction1, friction2 : float, optional
+        In place of a restitution: contacts that take time, N/m and N s/m, see `contact_of_frequency`; with them dry friction
+        on the masses, N.
     position, velocity : float
         Of x2 - x1 at the start, m (mid-gap if not given) and m/s.
     skip, periods, samples : int
-        Force periods before the first row, and to follow from there; rows per period, besides two per impact.
+        Force periods before the first row, and to follow from there; rows per period, besides two per impact, 100 if not given.
+    sample_time : float, optional
+        s: gives the record of a rig instead, a `RigRecord`, of so many periods at each frequency.
+    sensor_noise, force_noise : float
+        Of a record: standard deviations of the white noise of both positions (m) and of the force (N).
+    quantisation, clip, sensor_delay : float
+        Of its positions: step of the converter (m), largest that is read (m), and by how much readings are late (s).
+    clock_jitter, seed : float, int
+        Standard deviation of each instant, s, at most a tenth of the time between samples; of the noise and the jitter.
 
     Examples
     --------
@@ -180,11 +268,31 @@ def history(
     >>> motion = fracfit.history(20.0, restitution=0.6, force=40, clearance=0.3, skip=200, periods=2)
     >>> int((motion.event == "before-impact").sum())  # two in each period
     4
+    >>> rig = fracfit.history([20, 25, 30], restitution=0.6, force=40, clearance=0.3, periods=40, sample_time=1e-3, sensor_noise=1e-3)
+    >>> found = fracfit.response(rig, output="x1")
+    >>> scene = fracfit.identify_scene(found.frequency_response(), 40, fixed={"mass1": 1})
+    >>> bool(abs(scene["clearance"] - 0.3) < 0.002)
+    True
     """
-    scene = _scene(mass1, mass2, clearance, restitution, force, omega)
     start = None if position is None else number(position, "position")
-    found = _core.history(scene, start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"), count(samples, "samples"))
-    return History(found)
+    contact = contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    contacts = None if contact is None else tuple(number(value, name) for name, value in contact.items())
+    followed = (start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"))
+    sensors = _sensors(sample_time, "sample_time", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
+    held = (mass1, mass2, clearance, 1.0 if restitution is None else restitution, force)
+    if sensors is not None:
+        if samples is not None:
+            raise ValueError("samples has no meaning with sample_time, which is the time between rows")
+        omegas = real_array(np.atleast_1d(omega), "omega")
+        if not omegas.size:
+            raise ValueError("omega is empty; expected one frequency or several")
+        return RigRecord(_core.history_record(_scene(*held, omegas[0]), contacts, omegas, *followed, sensors))
+    if np.size(omega) != 1:
+        raise ValueError(f"omega names {np.size(omega)} frequencies; expected one, or sample_time for a record of a stepped sine")
+    rows = 100 if samples is None else count(samples, "samples")
+    if contacts is None:
+        return History({**_core.history(_scene(*held, omega), *followed, rows), "contact_force": None})
+    return History(_core.compliant_history(_scene(*held, omega), contacts, *followed, rows))
 
 
 @named
@@ -226,10 +334,31 @@ def basins(
     positions = np.linspace(0, width, per_side) if position is None else real_array(np.atleast_1d(position), "position")
     velocities = np.linspace(-speed, speed, per_side) if velocity is None else real_array(np.atleast_1d(velocity), "velocity")
     return Basins(
-        _core.basins(scene, positions, velocities, text(body, "body"), count(threads, "threads"), reporter(progress, "basins"))
+        _core.basins(scene, positions, velocities, body_of(body), count(threads, "threads"), reporter(progress, "basins"))
     )
 
 
+@overload
+def loop(
+    controller: Model | str, *, restitution: float, clearance: float = 1.0, mass1: float | None = None,
+    mass2: float | None = None, load_receptance: Model | str | None = None, drive_receptance: Model | str | None = None,
+    body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
+    setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
+    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
+    tolerance: float = 1e-8, whole_memory: bool = False, impacts: int = 2000,
+    record: Literal[False] = False,
+) -> LoopMotion: ...  # fmt: skip
+@overload
+def loop(
+    controller: Model | str, *, restitution: float, clearance: float = 1.0, mass1: float | None = None,
+    mass2: float | None = None, load_receptance: Model | str | None = None, drive_receptance: Model | str | None = None,
+    body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
+    setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
+    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
+    tolerance: float = 1e-8, whole_memory: bool = False, impacts: int = 2000,
+    record: Literal[True], sensor_noise: float = 0.0, force_noise: float = 0.0, quantisation: float = 0.0, clip: float = math.inf,
+    sensor_delay: float = 0.0, clock_jitter: float = 0.0, seed: int = 1,
+) -> RigRecord: ...  # fmt: skip
 @named
 def loop(
     controller: Model | str,
@@ -254,7 +383,15 @@ def loop(
     tolerance: float = 1e-8,
     whole_memory: bool = False,
     impacts: int = 2000,
-) -> LoopMotion:
+    record: bool = False,
+    sensor_noise: float = 0.0,
+    force_noise: float = 0.0,
+    quantisation: float = 0.0,
+    clip: float = math.inf,
+    sensor_delay: float = 0.0,
+    clock_jitter: float = 0.0,
+    seed: int = 1,
+) -> LoopMotion | RigRecord:
     """Motion of a loop around two bodies with backlash: impacts, rests in contact, limits of the actuator.
 
     Parameters
@@ -281,6 +418,14 @@ def loop(
         Sums over all earlier impacts instead, exact; the work grows as their square.
     impacts : int
         To follow at most.
+    record : bool
+        What a rig writes down every `every` seconds instead, a `RigRecord`.
+    sensor_noise, force_noise : float
+        Of a record: standard deviations of the white noise of both positions (m) and of the force (N).
+    quantisation, clip, sensor_delay : float
+        Of its positions: step of the converter (m), largest that is read (m), and by how much readings are late (s).
+    clock_jitter, seed : float, int
+        Standard deviation of each instant, s, at most a tenth of the time between samples; of the noise and the jitter.
 
     Examples
     --------
@@ -305,7 +450,13 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
+    if record and sample_time is not None:
+        raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
+    if record and not number(every, "every") > 0:
+        raise ValueError(f"every is {every:g}; a record needs the time between its samples, above 0")
+    sensors = _sensors(every if record else None, "record", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
     given = {
+        "sensors": sensors,
         "velocity1": number(velocity1, "velocity1"),
         "velocity2": number(velocity2, "velocity2"),
         "setpoint_step": number(setpoint_step, "setpoint_step"),
@@ -323,7 +474,24 @@ def loop(
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
     found = _core.loop(_model(controller)._tf, bodies, given)
-    return LoopMotion(found)
+    return LoopMotion(found) if sensors is None else RigRecord(found)
+
+
+def _sensors(sample_time: float | None, record: str, *errors: Any) -> tuple[Any, ...] | None:
+    """Errors of the sensors of a record; None where `record`, the word that asks for one, is not given."""
+    names = ("sensor_noise", "force_noise", "quantisation", "clip", "sensor_delay", "clock_jitter", "seed")
+    if sample_time is None:
+        for name, value, default in zip(names, errors, (0, 0, 0, math.inf, 0, 0, 1)):
+            if value != default:
+                raise ValueError(f"{name} has no meaning without {record}, which makes the result a record")
+        return None
+    numbers = [number(value, name) for name, value in zip(names[:-1], errors)]
+    for name, value in zip(names, numbers):
+        if name == "clip" and not value > 0:
+            raise ValueError(f"clip is {value:g}; allowed is above 0")
+        if name != "clip" and not 0 <= value < math.inf:
+            raise ValueError(f"{name} is {value:g}; allowed is a finite number from 0")
+    return (number(sample_time, record), *numbers, seed_number(errors[-1]))
 
 
 def _scene(*values: Any) -> tuple[float, ...]:

@@ -12,6 +12,7 @@ from . import _core
 from ._arrays import NO_NUMBERS, count, number, pair, path_of, real_array, seed_number, text
 from ._data import FrequencyResponse, TimeSeries
 from ._model import _Record
+from ._motions import RigRecord
 from ._tables import Table, column_unit
 from ._text import html_table, short
 from ._words import named
@@ -206,11 +207,12 @@ def response(
 
     Parameters
     ----------
-    data : array_like, TimeSeries, path, or a list of the latter two
-        Times of the samples at equal steps, s, with `input` and `output`; or all of it: a `TimeSeries` or a file.  Several are
-        realisations of one excitation, or further steps of a stepped sine.
+    data : array_like, TimeSeries, RigRecord, path, or a list of the latter three
+        Times of the samples at equal steps, s, with `input` and `output`; or all of it: a `TimeSeries`, a record of `history` or
+        `loop`, or a file.  Several are realisations of one excitation, or further steps of a stepped sine.
     input, output : array_like
-        What drove the system and what it answered; several outputs as a list or as rows.
+        What drove the system and what it answered; several outputs as a list or as rows.  Of a `RigRecord` the output may be
+        "x1" or "x2", else both are.
     reference : array_like, optional
         What drives a closed loop from outside; without it the input is taken as free of what disturbs the output.
     sample_time : float, optional
@@ -269,11 +271,19 @@ def response(
             raise ValueError("columns has no meaning with arrays; it is for files")
         records = [_of_arrays(data, input, output, reference, step)]
     else:
+        are_rigs = all(isinstance(each, RigRecord) for each in wholes)
         for name, value in (("input", input), ("output", output), ("reference", reference)):
-            if value is not None:
-                raise ValueError(f"{name} has no meaning with a TimeSeries or a file, which has its own")
+            if value is not None and not (are_rigs and name == "output"):
+                raise ValueError(f"{name} has no meaning with a TimeSeries, a RigRecord or a file, which has its own")
         records = []
         for each in wholes:
+            if isinstance(each, RigRecord):
+                if columns or step is not None:
+                    raise ValueError(f"{'columns' if columns else 'sample_time'} has no meaning with a RigRecord, which has its own")
+                rig = _of_rig(each, output)
+                records.append(rig["record"])
+                first = first or rig
+                continue
             if isinstance(each, TimeSeries):
                 if columns:
                     raise ValueError("columns has no meaning with a TimeSeries; it is for files")
@@ -290,7 +300,17 @@ def response(
 
 
 def _is_whole(data: Any) -> bool:
-    return isinstance(data, (str, os.PathLike, TimeSeries))
+    return isinstance(data, (str, os.PathLike, TimeSeries, RigRecord))
+
+
+def _of_rig(rig: RigRecord, output: Any) -> dict[str, Any]:
+    bodies = ("x1", "x2") if output is None else (output,)
+    if bodies[0] not in ("x1", "x2"):
+        raise ValueError(f"output is {output!r}; expected x1 or x2, the positions of a RigRecord")
+    if not rig.size:
+        raise ValueError("the record is empty: its motion could not be followed to its end")
+    signals = (rig.sample_time, rig.force, [getattr(rig, body) for body in bodies], NO_NUMBERS, [])
+    return {"record": signals, "names": [f"{body}_m" for body in bodies], "units": ["m/N"] * len(bodies), "input_unit": "N"}
 
 
 def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray, list[tuple[int, int]]]:

@@ -5,11 +5,14 @@
 #include <array>
 #include <complex>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "arrays.hpp"
 #include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/jump_frequency.hpp"
+#include "backlash/loops/forced_bodies.hpp"
 #include "backlash/loss_factor.hpp"
 #include "backlash/minus_inverse.hpp"
 #include "backlash/regime_map.hpp"
@@ -89,16 +92,42 @@ py::dict sweeps(const Reals& mass1, const Reals& mass2, const Reals& clearance, 
   return columns_of(curves, {force.size(), omega.size()});
 }
 
+using Receptance = std::optional<frac::FractionalTransferFunction>;
+
+// Bodies with receptances, free masses where there is none, given by lists of one length.
+py::dict bodies_sweeps(const std::vector<Reals>& scene, const Receptance& load, const Receptance& drive,
+                       const Reals& omega, const py::dict& given) {
+  enum : std::size_t { mass1, mass2, clearance, restitution, force };
+  const backlash::SweepOptions options = options_of(given);
+  const std::vector<double> grid = vector_of(omega);
+  std::vector<backlash::DescribingFunctionSweep> found;
+  for (py::ssize_t i = 0; i < scene.at(force).size(); ++i) {
+    const auto at = [&](std::size_t which) { return scene.at(which).data()[i]; };
+    const backlash::LinearBodies bodies(load ? *load : backlash::free_mass(at(mass1)),
+                                        drive ? *drive : backlash::free_mass(at(mass2)), at(clearance),
+                                        at(restitution));
+    const double amplitude = at(force);
+    found.push_back(result_of(
+        [&](frac::Progress&) { return backlash::bodies_describing_function(bodies, amplitude, grid, options); }));
+  }
+  Points curves;
+  for (const auto& sweep : found) curves.push_back(&sweep.points);
+  return columns_of(curves, {scene.at(force).size(), omega.size()});
+}
+
 // Scenes whose contacts take time, given by lists of one length.
-py::dict compliant_sweeps(const std::vector<Reals>& scene, const Reals& omega, const py::dict& given,
-                          const py::object& report) {
+py::dict compliant_sweeps(const std::vector<Reals>& scene, const Receptance& load, const Receptance& drive,
+                          const Reals& omega, const py::dict& given, const py::object& report) {
   enum : std::size_t { mass1, mass2, clearance, stiffness, damping, friction1, friction2, force };
   const backlash::SweepOptions options = options_of(given);
   std::vector<backlash::CompliantScene> scenes;
   for (py::ssize_t i = 0; i < scene.at(force).size(); ++i) {
     const auto at = [&](std::size_t which) { return scene.at(which).data()[i]; };
     const backlash::CompliantContact contact(at(stiffness), at(damping));
-    scenes.push_back({{backlash::free_mass(at(mass1)), backlash::free_mass(at(mass2)), at(clearance), contact,
+    scenes.push_back({{load ? *load : backlash::free_mass(at(mass1)),
+                       drive ? *drive : backlash::free_mass(at(mass2)),
+                       at(clearance),
+                       contact,
                        {at(friction1), at(friction2)}},
                       at(force)});
   }
@@ -143,6 +172,7 @@ void add_describing_function(py::module_& module) {
   for (const auto regime : regimes) names.append(std::string(backlash::to_string(regime)));
   module.attr("regimes") = py::tuple(names);
   module.def("describing_functions", &sweeps);
+  module.def("bodies_describing_functions", &bodies_sweeps);
   module.def("compliant_describing_functions", &compliant_sweeps);
   module.def("free_contact", [](double stiffness, double damping, double mass1, double mass2) {
     const auto free = backlash::free_contact(backlash::CompliantContact(stiffness, damping), mass1, mass2);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "backlash/compliant/compliant_jump.hpp"
 #include "backlash/identification/describe.hpp"
 #include "described.hpp"
 #include "frac/identification/describe.hpp"
@@ -48,12 +49,55 @@ py::dict contact_law(double mass1, double mass2, const Reals& force, const Reals
   return dict_of_law(found);
 }
 
+// The constants over restitution, instead of the laws.
+py::list constants(double mass1, double mass2, const Reals& force, const Reals& clearance, const Reals& restitution,
+                   const std::string& criterion, int threads, const py::object& report) {
+  const auto chosen = backlash::jump_criterion_from_string(criterion);
+  const auto forces = vector_of(force), clearances = vector_of(clearance), restitutions = vector_of(restitution);
+  const auto found = result_of(
+      [&](frac::Progress& progress) {
+        return backlash::jump_grid(mass1, mass2, forces, clearances, restitutions, chosen, threads, &progress);
+      },
+      report);
+  return object_of(found.constants).cast<py::list>();
+}
+
+// Of contacts that take time: stiffness_group, similarity_constant, exponent and message of each force, clearance and
+// contact, the first slowest.
+py::list contact_constants(double mass1, double mass2, const Reals& force, const Reals& clearance,
+                           const Reals& stiffness, const Reals& damping, const std::string& criterion) {
+  const auto chosen = backlash::jump_criterion_from_string(criterion);
+  const auto forces = vector_of(force), clearances = vector_of(clearance);
+  std::vector<backlash::CompliantContact> contacts;
+  for (py::ssize_t i = 0; i < stiffness.size(); ++i) contacts.emplace_back(stiffness.data()[i], damping.data()[i]);
+  py::list rows;
+  for (const double gap : clearances) {
+    for (const double amplitude : forces) {
+      for (const auto& contact : contacts) {
+        const auto jump = result_of([&](frac::Progress&) {
+          return backlash::compliant_jump(backlash::stiffness_group(contact, mass1, mass2, gap, amplitude),
+                                          backlash::free_contact(contact, mass1, mass2).damping_ratio, chosen);
+        });
+        rows.append(py::dict(py::arg("force") = amplitude, py::arg("clearance") = gap,
+                             py::arg("contact_stiffness") = contact.stiffness(),
+                             py::arg("contact_damping") = contact.damping(),
+                             py::arg("stiffness_group") = jump.stiffness_group,
+                             py::arg("similarity_constant") = jump.similarity_constant,
+                             py::arg("exponent") = jump.exponent, py::arg("message") = jump.message));
+      }
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 void add_jump_law(py::module_& module) {
   module.attr("described")["JumpLaw"] = attributes_of<backlash::JumpLaw>();
   module.def("jump_law", &law);
   module.def("contact_jump_law", &contact_law);
+  module.def("jump_constants", &constants);
+  module.def("contact_jump_constants", &contact_constants);
 }
 
 }  // namespace python

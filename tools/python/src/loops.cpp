@@ -3,23 +3,26 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "arrays.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
+#include "backlash/loops/loop_record.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
 #include "backlash/loops/simulate_loop.hpp"
 #include "backlash/loops/simulate_sampled_loop.hpp"
 #include "described.hpp"
 #include "loop_parts.hpp"
 #include "parts.hpp"
+#include "rig.hpp"
 #include "run.hpp"
 
 namespace python {
 namespace {
 
 py::dict cycles(const frac::FractionalTransferFunction& controller, const py::dict& bodies,
-                const std::optional<std::pair<double, double>>& range, int harmonics, int starts) {
+                const std::optional<std::pair<double, double>>& range, int harmonics, int starts, bool branches) {
   const backlash::ControlLoop loop = loop_of(controller, bodies);
   backlash::LimitCycleOptions options;
   if (range) options.range = backlash::FrequencyRange{range->first, range->second};
@@ -29,7 +32,12 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const py::di
   seeded.harmonics = harmonics;
   const bool can_start = loop.measured() == backlash::Output::x1 || loop.controller().delay() == 0;
   const auto [exact, predicted, settled] = result_of([&](frac::Progress&) {
-    return std::tuple(backlash::symmetric_cycles(loop, options), backlash::predicted_limit_cycles(loop, options.range),
+    auto all = backlash::predicted_limit_cycles(loop, options.range);
+    if (branches) {
+      const auto further = backlash::predicted_cycles_of_more_impacts(loop, options.range);
+      all.insert(all.end(), further.begin(), further.end());
+    }
+    return std::tuple(backlash::symmetric_cycles(loop, options), std::move(all),
                       can_start && starts > 0 ? backlash::impact_cycles(loop, seeded) : backlash::ImpactCycles{});
   });
   py::list found;
@@ -103,9 +111,16 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
   options.tolerance = number("tolerance");
   options.whole_memory = given["whole_memory"].cast<bool>();
   options.most_impacts = given["impacts"].cast<std::size_t>();
+  const auto as_read = given["sensors"].cast<std::optional<Sensors>>();
+  if (as_read) options.sample_time /= backlash::loop_rows_per_sample;
   const backlash::LoopStart start{0, number("velocity1"), 0, number("velocity2")};
   const auto history =
       result_of([&](frac::Progress&) { return backlash::simulate_loop(loop, start, set_point, options); });
+  if (as_read) {
+    const backlash::RigSensors sensors = sensors_of(*as_read);
+    auto record = result_of([&](frac::Progress&) { return rig_record(backlash::rig_motion(history.rows), sensors); });
+    return dict_of(std::move(record), sensors.sample_time, history.end == backlash::LoopEnd::duration);
+  }
   py::dict result = dict_of_rows(history.rows);
   result["impacts"] = history.impacts.size();
   result["end"] = std::string(backlash::to_string(history.end));

@@ -40,11 +40,11 @@ py::dict branch_of(const backlash::OrbitBranch& branch) {
 
 py::list branches(double mass1, double mass2, double clearance, double restitution, double force, double omega,
                   const std::string& parameter, double from, double to, const std::string& body, int longest_period,
-                  int most_impacts, int threads, const py::object& report) {
+                  int most_impacts, const Reals& basins_at, int threads, const py::object& report) {
   const backlash::TwoMassSystem system(mass1, mass2, clearance, restitution);
   const auto chosen = backlash::orbit_parameter_from_string(parameter);
   const backlash::OrbitContinuationOptions options{backlash::output_from_string(body), longest_period, most_impacts,
-                                                   threads};
+                                                   threads, vector_of(basins_at)};
   const auto diagram = result_of(
       [&](frac::Progress& progress) {
         return backlash::orbit_diagram(system, force, omega, chosen, from, to, options, &progress);

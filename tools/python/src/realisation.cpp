@@ -5,6 +5,7 @@
 
 #include "arrays.hpp"
 #include "frac/approximation/approximate.hpp"
+#include "frac/digital/discretise.hpp"
 #include "frac/state_space.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -44,12 +45,16 @@ py::array_t<std::complex<double>> roots_of(const std::vector<double>& real,
   return array_of(std::move(all));
 }
 
-py::dict approximated(double order, double lower, double upper, std::optional<double> tolerance,
-                      std::optional<int> poles, const std::string& method) {
+frac::ApproximationGoal goal_of(std::optional<double> tolerance, std::optional<int> poles) {
   if (tolerance.has_value() == poles.has_value())
     throw std::invalid_argument("give either the tolerance to keep or the number of poles");
-  const frac::ApproximationGoal goal = tolerance ? frac::ApproximationGoal(frac::Tolerance{*tolerance})
-                                                 : frac::ApproximationGoal(frac::PoleCount{*poles});
+  return tolerance ? frac::ApproximationGoal(frac::Tolerance{*tolerance})
+                   : frac::ApproximationGoal(frac::PoleCount{*poles});
+}
+
+py::dict approximated(double order, double lower, double upper, std::optional<double> tolerance,
+                      std::optional<int> poles, const std::string& method) {
+  const frac::ApproximationGoal goal = goal_of(tolerance, poles);
   const auto chosen = frac::approximation_method_from_string(method);
   const auto found = result_of([&](frac::Progress&) { return frac::approximate(order, {lower, upper}, goal, chosen); });
   py::dict result;
@@ -67,11 +72,40 @@ py::dict approximated(double order, double lower, double upper, std::optional<do
   return result;
 }
 
+// The recursion in the samples that stands for the power.
+py::dict digital(double order, double lower, double upper, std::optional<double> tolerance, std::optional<int> poles,
+                 const std::string& method, double sample_time, const std::string& discretisation, std::size_t taps,
+                 double amplification) {
+  const frac::ApproximationGoal goal = goal_of(tolerance, poles);
+  const auto chosen = frac::approximation_method_from_string(method);
+  const auto rule = frac::discretisation_from_string(discretisation);
+  const auto found = result_of([&](frac::Progress&) {
+    return frac::digital_power(order, {lower, upper}, goal, sample_time, rule, chosen, taps, amplification);
+  });
+  py::dict result;
+  result["sample_time"] = found.sample_time;
+  result["discretisation"] = std::string(frac::to_string(found.method));
+  result["taps"] = array_of(found.taps);
+  result["gain"] = found.cascade.gain;
+  result["rates"] = column_of<double>(found.cascade.sections, [](const auto& section) { return section.rate; });
+  result["feeds"] = column_of<double>(found.cascade.sections, [](const auto& section) { return section.feed; });
+  result["differences"] = found.differences;
+  result["integrators"] = found.integrators;
+  result["max_relative_error"] = found.error.max_relative;
+  result["omega_at_maximum"] = found.error.omega_at_maximum;
+  result["most_amplification"] = found.most_amplification;
+  result["usable"] = found.usable();
+  result["message"] = found.message;
+  result["summary"] = found.summary();
+  return result;
+}
+
 }  // namespace
 
 void add_realisation(py::module_& module) {
   module.def("realise", &realised);
   module.def("approximate", &approximated);
+  module.def("digital_power", &digital);
 }
 
 }  // namespace python

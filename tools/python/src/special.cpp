@@ -44,6 +44,22 @@ py::array_t<Number> point_by_point(const Reals& alpha, const Reals& beta,
   return array_of(std::move(value));
 }
 
+// The function of three parameters, point by point.
+template <typename Number>
+py::array_t<Number> prabhakar_points(const Reals& alpha, const Reals& beta, const Reals& gamma,
+                                     const py::array_t<Number, py::array::c_style>& z) {
+  const auto a = span_of(alpha), b = span_of(beta), c = span_of(gamma);
+  const auto at = span_of(z);
+  std::vector<Number> value(at.size());
+  run([&](frac::Progress&) {
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (i % few == 0) frac::throw_if_cancelled();
+      value[i] = frac::prabhakar(a[i], b[i], c[i], at[i]);
+    }
+  });
+  return array_of(std::move(value));
+}
+
 }  // namespace
 
 void add_special(py::module_& module) {
@@ -51,6 +67,8 @@ void add_special(py::module_& module) {
   module.def("mittag_leffler_points", &of_points<std::complex<double>>);
   module.def("mittag_leffler", &point_by_point<double>);
   module.def("mittag_leffler", &point_by_point<std::complex<double>>);
+  module.def("prabhakar", &prabhakar_points<double>);
+  module.def("prabhakar", &prabhakar_points<std::complex<double>>);
 }
 
 }  // namespace python

@@ -2,13 +2,16 @@
 #include "frac/identification/tune.hpp"
 
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "arrays.hpp"
 #include "backlash/design/tune_with_backlash.hpp"
 #include "described.hpp"
 #include "fit_request.hpp"
 #include "frac/identification/describe.hpp"
+#include "frac/identification/plants_of_record.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "loop_parts.hpp"
 #include "parts.hpp"
@@ -71,11 +74,7 @@ py::dict tuned(const frac::FractionalTransferFunction& plant, const py::dict& sp
   return dict_of_tuning(result_of([&](frac::Progress&) { return frac::tune(plant, asked, options); }));
 }
 
-py::dict tuned_for_region(const py::dict& fit, const py::dict& specification, const py::dict& given) {
-  const frac::LoopSpecification asked = specification_of(specification);
-  const frac::TuningOptions options = options_of(given);
-  const frac::FitResult plants = fit_result_from(fit);
-  const auto found = result_of([&](frac::Progress&) { return frac::tune_for_region(plants, asked, options); });
+py::dict dict_of_region(const frac::RobustTuningResult& found) {
   py::dict dict = dict_of_tuning(found.nominal);
   py::dict region = dict_of(found);
   region.attr("pop")("nominal");
@@ -85,6 +84,36 @@ py::dict tuned_for_region(const py::dict& fit, const py::dict& specification, co
   dict["message"] = found.message;
   dict["summary"] = found.summary();
   dict["usable"] = found.usable();
+  return dict;
+}
+
+py::dict tuned_for_region(const py::dict& fit, const py::dict& specification, const py::dict& given) {
+  const frac::LoopSpecification asked = specification_of(specification);
+  const frac::TuningOptions options = options_of(given);
+  const frac::FitResult plants = fit_result_from(fit);
+  return dict_of_region(result_of([&](frac::Progress&) { return frac::tune_for_region(plants, asked, options); }));
+}
+
+py::dict tuned_from_relay(const py::dict& data, const py::dict& specification, const py::dict& given) {
+  const frac::LoopSpecification asked = specification_of(specification);
+  const frac::TuningOptions options = options_of(given);
+  const frac::TimeResponseData record = record_of(data);
+  const auto [plants, found] = result_of([&](frac::Progress&) {
+    auto possible = frac::plants_of_record(record);
+    if (!possible)
+      throw std::invalid_argument(
+          "the record shows no plant: neither a lag nor a second order with dead time follows it");
+    auto region = frac::tune_for_region(possible->best, asked, options, possible->others);
+    return std::pair(*possible, region);
+  });
+  py::dict dict = dict_of_region(found);
+  dict["plant"] = frac::fitted_plant(plants.best).formula();
+  if (plants.misfit.empty()) return dict;
+  // The region tells nothing of a plant that does not follow the record.
+  dict["status"] = std::string(frac::to_string(frac::TuningStatus::not_met));
+  dict["message"] = found.message + " " + plants.misfit;
+  dict["summary"] = found.summary() + " " + plants.misfit;
+  dict["usable"] = false;
   return dict;
 }
 
@@ -128,6 +157,7 @@ void add_tune(py::module_& module) {
   module.attr("described")["Tuning"] = attributes_of<frac::TuningResult>();
   module.def("tune", &tuned);
   module.def("tune_for_region", &tuned_for_region);
+  module.def("tune_from_relay", &tuned_from_relay);
   module.def("tune_with_backlash", &tuned_with_backlash);
 }
 

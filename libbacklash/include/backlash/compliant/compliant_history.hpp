@@ -8,6 +8,7 @@
 #include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/impact_simulation.hpp"
 #include "backlash/loops/simulate_loop.hpp"
+#include "backlash/rig_record.hpp"
 
 namespace backlash {
 
@@ -56,5 +57,16 @@ struct CompliantHistory {
 ///                                bodies_describing_function() refuses.
 [[nodiscard]] CompliantHistory compliant_history(const CompliantBodies& bodies, double force_amplitude, double omega,
                                                  const LoopStart& start, int skip, int periods, int samples);
+
+/// The start of compliant_history() at which the centre of mass moves about its mean, as without friction.
+/// @param start  x2 - x1 from one wall on, as simulate_impacts() counts it
+[[nodiscard]] LoopStart start_about_mean(const TwoMassSystem& system, double force_amplitude, double omega,
+                                         const RelativeState& start);
+
+/// The motion under stepped_sine_force(), from frequency to frequency, and its force.
+/// @param skip  periods of the first frequency to follow before the motion begins
+/// @throws std::invalid_argument  as compliant_history().
+[[nodiscard]] RigMotion rig_motion(const CompliantBodies& bodies, double force_amplitude,
+                                   const std::vector<double>& omega, const LoopStart& start, int skip, int periods);
 
 }  // namespace backlash

@@ -55,4 +55,10 @@ struct PredictedCycle {
 [[nodiscard]] std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop, const OrbitDiagram& orbits,
                                                                  const std::optional<FrequencyRange>& range = {});
 
+/// The same on a diagram of its own, over F/(M2 clearance w^2) of 0.1 to 3: from where impacts are rare to where they
+/// become contact.  It takes some seconds.
+/// @throws std::invalid_argument  as above.
+[[nodiscard]] std::vector<PredictedCycle> predicted_cycles_of_more_impacts(
+    const ControlLoop& loop, const std::optional<FrequencyRange>& range = {});
+
 }  // namespace backlash

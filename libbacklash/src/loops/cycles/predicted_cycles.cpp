@@ -360,6 +360,11 @@ void sort_by_omega(std::vector<PredictedCycle>& cycles) {
                    [](const PredictedCycle& a, const PredictedCycle& b) { return a.omega < b.omega; });
 }
 
+void require_free(const ControlLoop& loop) {
+  if (loop.bodies().are_free()) return;
+  throw std::invalid_argument("the orbits of a diagram are those of free masses, and the loop has other bodies");
+}
+
 }  // namespace
 
 std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop,
@@ -380,9 +385,7 @@ std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop,
 std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop, const OrbitDiagram& orbits,
                                                    const std::optional<FrequencyRange>& range) {
   detail::require_range(range);
-  if (!loop.bodies().are_free()) {
-    throw std::invalid_argument("the orbits of a diagram are those of free masses, and the loop has other bodies");
-  }
+  require_free(loop);
   if (orbits.parameter == OrbitParameter::restitution || orbits.system.restitution() != loop.system().restitution()) {
     throw std::invalid_argument("the diagram has other restitutions than the loop, " +
                                 detail::text(loop.system().restitution()));
@@ -395,6 +398,17 @@ std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop, cons
   }
   sort_by_omega(cycles);
   return cycles;
+}
+
+std::vector<PredictedCycle> predicted_cycles_of_more_impacts(const ControlLoop& loop,
+                                                             const std::optional<FrequencyRange>& range) {
+  require_free(loop);
+  // Of force over M2 clearance omega^2, at a force that makes omega^-2 of it.
+  constexpr double lowest_ratio = 0.1, highest_ratio = 3;
+  const TwoMassSystem& system = loop.system();
+  const double force = system.mass2() * system.clearance();
+  return predicted_limit_cycles(
+      loop, orbit_diagram(system, force, 1 / std::sqrt(highest_ratio), 1 / std::sqrt(lowest_ratio)), range);
 }
 
 }  // namespace backlash
