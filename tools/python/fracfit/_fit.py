@@ -1138,6 +1138,7 @@ def identify_scene(
     curves: Sequence[FrequencyResponse],
     force: Any,
     *,
+    harmonic: Any = 1,
     fixed: Known = None,
     bounds: Limits = None,
     body: str = "x1",
@@ -1157,6 +1158,8 @@ def identify_scene(
         N in m/N, one for each force amplitude.
     force : array_like
         Those amplitudes, N.
+    harmonic : array_like
+        Which harmonic each curve is, 1, 3 or 5; one for all or one for each.  At least one is the fundamental.
     fixed, bounds : mapping, optional
         Of mass1, mass2 (kg), clearance (m), restitution, contact_time (s), friction1 and friction2 (N).  From x1 one mass or the clearance has to be fixed.
     body : {"x1", "x2"}
@@ -1184,9 +1187,13 @@ def identify_scene(
     forces = real_array(np.atleast_1d(force), "force")
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
+    orders = real_array(np.atleast_1d(harmonic), "harmonic")
+    if orders.size not in (1, len(curves)) or np.any(orders != np.round(orders)):
+        raise ValueError(f"harmonic is {harmonic!r} for {len(curves)} curves; expected 1, 3 or 5, one for all or one for each")
     chosen = weight_of(weight, curves, "relative")
     request = {
         **_known({}, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
+        "harmonic": np.broadcast_to(orders, len(curves)).astype(int).tolist(),
         "body": text(body, "body"),
         "component": text(component, "component"),
         "weight": text(chosen, "weight"),
