@@ -207,7 +207,7 @@ class IdentifyScene : public Command {
   [[nodiscard]] frac::FrequencyResponseData harmonic_of(const std::string& name, int order) const {
     auto reading = reading_;
     const std::string column = "harmonic" + std::to_string(order);
-    reading.how.columns = "re=" + column + "_re,im=" + column + "_im,sigma=" + column + "_sigma";
+    reading.how.columns = "omega=omega_rad_s,re=" + column + "_re,im=" + column + "_im,sigma=" + column + "_sigma";
     return io::read_frequency_response(name, reading).data;
   }
 
