@@ -1188,7 +1188,7 @@ def identify_scene(
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
     orders = real_array(np.atleast_1d(harmonic), "harmonic")
-    if orders.size not in (1, len(curves)) or np.any(orders != np.round(orders)):
+    if orders.size not in (1, len(curves)) or not np.isin(orders, (1, 3, 5)).all():
         raise ValueError(f"harmonic is {harmonic!r} for {len(curves)} curves; expected 1, 3 or 5, one for all or one for each")
     chosen = weight_of(weight, curves, "relative")
     request = {
