@@ -70,6 +70,31 @@ TEST(ContactMotions, AreThoseOfAnotherProgram) {
   EXPECT_GE(compared, 3);
 }
 
+// The closed form of two contacts per period and the flow of the same orbit, and, of both, harmonics of contacts that
+// take nearly no time and those of impacts, which they tend to in first order.
+TEST(ContactMotions, HarmonicsAreThoseOfTheFlowAndTendToThoseOfTheImpact) {
+  for (const double restitution : {0.3, 0.6, 0.9}) {
+    const double gamma = 0.85 * backlash::detail::symmetry_breaking_gamma(restitution);
+    const ContactMotions motions(restitution);
+    for (const int k : {1, 3, 5}) {
+      for (const double tau : {0.02, 0.2}) {
+        FoundMotions found;
+        const auto closed = contact_h(motions, gamma, tau, false, found, true, k);
+        const auto flow = contact_h(motions, gamma, tau, true, found, true, k);
+        ASSERT_TRUE(closed) << restitution << " " << tau;
+        // From rest the motion may come to another orbit.
+        if (!flow || found.followed->contacts != 2 || found.symmetric->largest_multiplier >= 1) continue;
+        EXPECT_LT(std::abs(*closed - *flow), 1e-9) << restitution << " " << tau << " " << k;
+      }
+      FoundMotions found;
+      const double tau = 1e-4;
+      const Complex hard = backlash::detail::two_impact_response(gamma, restitution, k)->h;
+      EXPECT_LT(std::abs(*contact_h(motions, gamma, tau, false, found, true, k) - hard), 20 * k * tau)
+          << restitution << k;
+    }
+  }
+}
+
 // h(tau) = h(0) + a tau + b tau^2 + ...: twice the angle makes twice the change, but for b tau/a.  Differences of h
 // lose what its rounding, 1e-13, is of a tau.
 TEST(ContactMotions, TendToTheImpactInFirstOrderOfTheirTime) {

@@ -83,6 +83,33 @@ TEST(FrictionResponse, IsTheDescribingFunctionOfTheBodies) {
   EXPECT_GE(compared, 16);
 }
 
+// Without friction n_k = -(mass1 mass2/(mass1 + mass2)^2) h_k, and friction of 2 % of the force moves it by about that
+// share of the fundamental, a fifth of the third harmonic; derivatives as below.
+TEST(FrictionResponse, HarmonicsAreNearThoseWithoutFriction) {
+  const double gamma = 0.3, tau = 0.08, restitution = 0.6, ratio = 1.9, share = ratio / ((1 + ratio) * (1 + ratio));
+  const FrictionGroups groups{gamma, tau, restitution, ratio, {0.02, 0}};
+  const backlash::detail::ContactMotions contact(restitution);
+  backlash::detail::FoundMotions motions;
+  const double size = std::abs(*backlash::detail::contact_h(contact, gamma, tau, false, motions, true)) * share;
+  for (const int k : {3, 5}) {
+    FoundOrbit found;
+    const auto n = friction_n(groups, Output::x1, FrictionStart::symmetric, found, k);
+    const auto h = backlash::detail::contact_h(contact, gamma, tau, false, motions, true, k);
+    ASSERT_TRUE(n && h);
+    EXPECT_LT(std::abs(*n + *h * share), 0.02 * size) << k;
+    const auto response = friction_response(groups, Output::x1, found, k);
+    ASSERT_TRUE(response);
+    const auto beside = [&](double by) {
+      FrictionGroups other = groups;
+      other.gamma *= std::exp(by);
+      FoundOrbit near = found;
+      return friction_n(other, Output::x1, FrictionStart::found, near, k).value();
+    };
+    const Complex central = (beside(1e-4) - beside(-1e-4)) / 2e-4;
+    EXPECT_LT(std::abs(response->by_log_gamma - central), 1e-4 * (size + std::abs(central))) << k;
+  }
+}
+
 // Central differences of 1e-4 err by 1e-8 times third derivatives, forward ones of 1e-6 by 1e-6 times second ones; both
 // are of the order of ten times N, in the time a hundred.
 TEST(FrictionResponse, DerivativesAreThoseOfDifferences) {

@@ -6,7 +6,8 @@
 // segment; where its first six and its last six differ by more than 0.1 % there is no N to hold.
 // A scene is confidently wrong where something is stated, and each interval stated excludes the truth; far off where
 // one of them misses it by more than twice its reach.  --hard: the contacts are known to be hard, as they are.
-// Usage: rig_rates [--smoke] [--each] [--hard] [scenes] [seed]
+// --harmonics: the third and fifth harmonic join the fit.
+// Usage: rig_rates [--smoke] [--each] [--hard] [--harmonics] [scenes] [seed]
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,7 +16,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,9 +92,9 @@ struct Tally : support::SceneTally {
   int steady = 0, steady_said = 0, steady_held = 0, unsteady = 0, unsteady_said = 0, missing = 0;
 };
 
-/// The curve of one force; counts what is said of its segments.
-std::optional<backlash::MeasuredDescribingFunction> measured(const Case& made, std::size_t which, std::uint64_t seed,
-                                                             Tally& tally) {
+/// The curve of one force, and those of its harmonics; counts what is said of its segments.
+std::vector<backlash::MeasuredDescribingFunction> measured(const Case& made, std::size_t which, std::uint64_t seed,
+                                                           bool with_harmonics, Tally& tally) {
   const double scale = std::sqrt(made.forces[which] / made.forces[0]);
   std::vector<double> omega = made.omega;
   for (double& w : omega) w *= scale;
@@ -108,8 +108,11 @@ std::optional<backlash::MeasuredDescribingFunction> measured(const Case& made, s
   const bool is_x1 = made.body == Output::x1;
   const auto& path = is_x1 ? motion.x1 : motion.x2;
   const auto found = frac::response({frac::Record(sensors.sample_time, record.force, {is_x1 ? record.x1 : record.x2})});
-  std::vector<double> used, sigma;
-  std::vector<Complex> value;
+  struct Curve {
+    std::vector<double> omega, sigma;
+    std::vector<Complex> value;
+  };
+  Curve fundamental, third, fifth;
   double end = 0;
   for (const double w : omega) {
     end += made.periods * 2 * pi / w;
@@ -132,20 +135,30 @@ std::optional<backlash::MeasuredDescribingFunction> measured(const Case& made, s
       tally.steady_held += std::abs(error.real()) < point->half_width_re() ? 1 : 0;
       tally.steady_held += std::abs(error.imag()) < point->half_width_im() ? 1 : 0;
     }
-    used.push_back(point->omega);
-    value.push_back(point->value);
-    sigma.push_back(point->sigma_or_rounding());
+    const auto add = [&](Curve& curve, Complex value, double sigma) {
+      curve.omega.push_back(point->omega);
+      curve.value.push_back(value);
+      curve.sigma.push_back(sigma);
+    };
+    add(fundamental, point->value, point->sigma_or_rounding());
+    for (const auto& harmonic : point->harmonics)
+      if (harmonic.order == 3 || harmonic.order == 5)
+        add(harmonic.order == 3 ? third : fifth, harmonic.value, harmonic.sigma);
   }
-  if (used.size() < 2) return std::nullopt;
-  return backlash::MeasuredDescribingFunction{{used, value, sigma}, force};
+  if (fundamental.omega.size() < 2) return {};
+  const auto curve = [&](const Curve& of, int harmonic) {
+    return backlash::MeasuredDescribingFunction{{of.omega, of.value, of.sigma}, force, harmonic};
+  };
+  if (!with_harmonics) return {curve(fundamental, 1)};
+  return {curve(fundamental, 1), curve(third, 3), curve(fifth, 5)};
 }
 
-void judge(const Case& made, std::uint64_t seed, bool each, Tally& tally) {
+void judge(const Case& made, std::uint64_t seed, bool each, bool with_harmonics, Tally& tally) {
   const auto begin = std::chrono::steady_clock::now();
   ++tally.scenes;
   std::vector<backlash::MeasuredDescribingFunction> curves;
   for (std::size_t i = 0; i < made.forces.size(); ++i)
-    if (auto curve = measured(made, i, seed + 10 * i, tally)) curves.push_back(std::move(*curve));
+    for (auto& curve : measured(made, i, seed + 10 * i, with_harmonics, tally)) curves.push_back(std::move(curve));
   if (curves.empty()) {
     ++tally.unusable;
     return;
@@ -173,7 +186,7 @@ int main(int argc, char** argv) {
     support::Random random(1'000'000 * seed + i);
     Case made = random_case(random);
     if (arguments.has("--hard")) made.options.contact = backlash::ContactModel::hard;
-    judge(made, 1000 * (1'000'000 * seed + i), arguments.has("--each"), tally);
+    judge(made, 1000 * (1'000'000 * seed + i), arguments.has("--each"), arguments.has("--harmonics"), tally);
   }
   std::printf("| segments | number | said not to be steady | intervals of N that hold |\n|---|---|---|---|\n");
   std::printf("| steady | %d | %d | %.1f %% of %d |\n", tally.steady, tally.steady_said,

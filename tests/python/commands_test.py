@@ -129,9 +129,18 @@ def test_motions_over_time():
     )
     for name, column in fracfit.loop("2 + s", restitution=0.6, setpoint_sine=(1, 0.5), duration=20, every=0.05, record=True, **sensors)._columns().items():
         same(column, theirs[name])
+    found = fracfit.response(fracfit.history([18.0, 22.0, 27.0, 33.0], **scene, periods=30, sample_time=0.002, sensor_noise=1e-3), output="x1")
+    curves = [found.frequency_response(harmonic=order) for order in (1, 3, 5)]
+    np.testing.assert_array_equal(curves[1].response, found.harmonics[:, 1])
+    same(curves[2].sigma, found.harmonics_sigma[:, 3])
+    by_all = fracfit.identify_scene(curves, [40] * 3, harmonic=[1, 3, 5], fixed={"mass1": 1})
+    # Three such points of the fundamental tell the clearance to 7e-4: seven deviations.
+    assert abs(by_all["clearance"] - 0.3) < 0.005
+    with pytest.raises(ValueError, match="harmonic"):
+        fracfit.identify_scene(curves, [40] * 3, harmonic=[1, 3], fixed={"mass1": 1})
     # Arrays of the record say the same as the record.
     whole, part = fracfit.response(rig), fracfit.response(input=rig.force, output=rig.x2, sample_time=rig.sample_time)
-    same(whole.response[1], part.response)
+    np.testing.assert_array_equal(whole.response[1], part.response)
     same(fracfit.response(rig, output="x2").sigma, part.sigma)
     theirs = command_line.columns_of("loop", "--controller", "1 + s^0.5", "--restitution", 0.6, "--velocity2", 1, "--duration", 20, "--every", 0.5)
     ours = fracfit.loop("1 + s^0.5", restitution=0.6, velocity2=1, duration=20, every=0.5)

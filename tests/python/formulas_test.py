@@ -72,6 +72,16 @@ def scale_and_energy(scene, random):
     close(-(U / scene.gamma).imag / abs(1 + U / scene.gamma) ** 2, scene.y, ORBIT)
 
 
+def harmonics(scene, random):
+    # Samples at equal steps of a motion whose lines fall as 1/k^2: 4000 of them fold back 1/4000^2 or so of the first.
+    time, x1 = scene.samples
+    h1 = -(scene.M1 + scene.M2) * scene.w**2 * scene.N
+    for k in (1, 3, 5):
+        Nk = 2 * np.mean(x1 * np.exp(-1j * k * scene.w * time)) / scene.F
+        hk = -(scene.M1 + scene.M2) * scene.w**2 * Nk
+        close(hk, abs(h1) / k**2 * np.exp(1j * k * np.angle(h1)), 25 * 1e-6)
+
+
 def loss_factor(scene, random):
     ratio = np.sum(scene.v**2) / abs(np.sum(scene.v * np.exp(-1j * scene.phase))) ** 2
     close(np.pi / 2 * (1 - scene.e) / (1 + scene.e) * ratio, scene.y, ORBIT)
@@ -251,6 +261,7 @@ FORMULAS = {
     ("loss-factor", r"y = \frac{\pi}{2}"): loss_factor,
     ("loss-factor", r"\frac{\operatorname{Re}N}"): two_points,
     ("scene", r"\frac{\operatorname{Im}(-1/N)}"): two_points,
+    ("scene", r"h_k = \frac{|h_1|}"): harmonics,
     ("describing-function", r"N(F, \omega) ="): fundamental,
     ("limit-cycles", r"\begin{aligned} F\,|G_2"): forced_orbit,
     ("limit-cycles", r"\begin{aligned} \frac{2\omega}{\pi}"): cycle_equations,

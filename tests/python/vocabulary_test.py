@@ -38,7 +38,7 @@ RENAMED = {
     "controller": {"derivative-filter": "derivative_filter_time", "lambda": "lambda_", "max": "maximum", "min": "minimum", "swing": "most_swing"},
     "fit": {"fix": "fixed", "bound": "bounds"},
     "identify": {"bound": "bounds"},
-    "identify-scene": {"fix": "fixed", "bound": "bounds"},
+    "identify-scene": {"fix": "fixed", "bound": "bounds", "harmonic-orders": "harmonic"},
     "joint-fit": {"fix": "fixed", "bound": "bounds"},
     "limit-cycles": {"omega": "band"},
     "map": {"orbit-tolerance": "tolerance"},

@@ -150,13 +150,13 @@ class Equations {
   [[nodiscard]] SymmetricCompliantOrbit orbit() const {
     SymmetricCompliantOrbit orbit{angle_, speed_, duration_, {}, 0, residual(), 0};
     const double gamma = g_.gamma, damping = 2 * g_.zeta * g_.nu, stiffness = g_.nu * g_.nu;
-    // e^{-j k tau}, k = 0 to 4, where the contact begins and ends.
-    std::array<Complex, 5> first{1}, last{1};
+    // e^{-j k tau}, k = 0 to 6, where the contact begins and ends.
+    std::array<Complex, 7> first{1}, last{1};
     for (std::size_t k = 1; k < first.size(); ++k) {
       first[k] = first[k - 1] * std::conj(begin_);
       last[k] = last[k - 1] * std::conj(end_);
     }
-    for (std::size_t n = 0; n < 2; ++n) {
+    for (std::size_t n = 0; n < orbit.contact.size(); ++n) {
       const std::size_t order = 2 * n + 1;
       const auto k = static_cast<double>(order);
       // Of e^{-j k tau} over the contact.

@@ -22,8 +22,8 @@ struct SymmetricCompliantOrbit {
   double angle;     // of the force where the wall u = 1/2 is met
   double speed;     // du/dtau there
   double duration;  // angle until the wall presses no more
-  /// (2/pi) times the integral of the contact's acceleration times e^{-j k tau}, k = 1 and 3, over one contact.
-  std::array<std::complex<double>, 2> contact;
+  /// (2/pi) times the integral of the contact's acceleration times e^{-j k tau}, k = 1, 3 and 5, over one contact.
+  std::array<std::complex<double>, 3> contact;
   double largest_multiplier;  // of the map over a period
   double residual;            // of the equations, in clearances
   double loss;                // of both contacts, per reduced mass, clearance^2 and omega^2

@@ -457,6 +457,8 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
                                      const BodiesStructure& structure, const SceneIdentificationOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   detail::check_curves(curves, options);
+  if (std::any_of(curves.begin(), curves.end(), [](const auto& curve) { return curve.harmonic != 1; }))
+    throw std::invalid_argument("a curve is of a harmonic above the first, which is followed for free masses only");
   check_names(structure);
   const detail::SceneData data = detail::scene_data(curves, options);
   const frac::Structure joint = detail::joint_structure(structure);

@@ -116,7 +116,7 @@ std::optional<SymmetricCompliantOrbit> ContactMotions::from_hard(const Compliant
   return orbit;
 }
 
-std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma, double tau,
+std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma, double tau, int harmonic,
                                                                    FoundMotions& found) const {
   const CompliantGroups at = groups(gamma, tau);
   std::optional<SymmetricCompliantOrbit> orbit;
@@ -129,14 +129,17 @@ std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma,
   }
   if (!orbit) return std::nullopt;
   found.symmetric = orbit;
-  return Symmetric{orbit->contact[0] / gamma, orbit->largest_multiplier};
+  // -k^2 U_k is the phasor of what the contacts press.
+  const Complex contact = orbit->contact[static_cast<std::size_t>(harmonic / 2)];
+  return Symmetric{contact / (gamma * harmonic * harmonic), orbit->largest_multiplier};
 }
 
-std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundMotions& found, bool from_start) const {
+std::optional<Complex> ContactMotions::followed(double gamma, double tau, int harmonic, FoundMotions& found,
+                                                bool from_start) const {
   constexpr double exact = 1e-9;  // of fractional powers, of which there are none
   const SineForce force{each_mass * gamma, 1};
   const CompliantGroups at = groups(gamma, tau);
-  const CompliantFlow flow(unit_bodies(at), force, Output::x1, exact, 1);
+  const CompliantFlow flow(unit_bodies(at), force, Output::x1, exact, harmonic);
   std::optional<CompliantOrbit> orbit;
   if (found.followed) {
     orbit = closed_orbit(flow, found.followed->state, found.followed->mode, 1);
@@ -154,47 +157,47 @@ std::optional<Complex> ContactMotions::followed(double gamma, double tau, FoundM
   CompliantRun run(flow, orbit->state, orbit->mode);
   run.follow(1);
   found.followed = std::move(orbit);
-  const Complex first = run.phasors().front() / Complex(0, force.omega) / force.amplitude;
-  return -2 * each_mass * first;
+  const Complex n = run.phasors().back() / Complex(0, harmonic * force.omega) / force.amplitude;
+  return -2 * each_mass * n;
 }
 
 namespace {
 
-std::optional<Complex> hard_h(double gamma, double restitution, bool is_followed, Complex near) {
+std::optional<Complex> hard_h(double gamma, double restitution, bool is_followed, Complex near, int harmonic) {
   std::optional<Complex> nearest;
   const auto offer = [&](Complex h) {
     if (!nearest || std::abs(h - near) < std::abs(*nearest - near)) nearest = h;
   };
-  if (const auto response = two_impact_response(gamma, restitution)) offer(response->h);
+  if (const auto response = two_impact_response(gamma, restitution, harmonic)) offer(response->h);
   if (is_followed)
-    if (const auto h = sticking_h(gamma, restitution)) offer(*h);
+    if (const auto h = sticking_h(gamma, restitution, harmonic)) offer(*h);
   return nearest;
 }
 
 std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                    FoundMotions& found, bool from_start) {
-  if (is_followed) return motions.followed(gamma, tau, found, from_start);
-  const auto orbit = motions.symmetric(gamma, tau, found);
+                                    FoundMotions& found, bool from_start, int harmonic) {
+  if (is_followed) return motions.followed(gamma, tau, harmonic, found, from_start);
+  const auto orbit = motions.symmetric(gamma, tau, harmonic, found);
   return orbit ? std::optional<Complex>(orbit->h) : std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                 FoundMotions& found, bool from_start) {
+                                 FoundMotions& found, bool from_start, int harmonic) {
   const double least = is_followed ? least_followed_tau : least_symmetric_tau;
-  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start);
+  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start, harmonic);
   if (!h || tau >= least) return h;
-  const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h);
-  // N changes by about the angle between a motion and the one that it tends to.
-  constexpr double same_motion_within = 10;
+  const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h, harmonic);
+  // N changes by about the angle between a motion and the one that it tends to, a harmonic by as many times that.
+  const double same_motion_within = 10 * harmonic;
   const bool is_its_limit = hard && (!is_followed || std::abs(*hard - *h) <= same_motion_within * least * std::abs(*h));
   if (is_its_limit) return *hard + tau / least * (*h - *hard);
   if (!is_followed) return std::nullopt;
   // Hard contacts have more orbits than those in closed form and those that stick.
   FoundMotions further = found;
-  const auto second = h_of_contact(motions, gamma, 2 * least, is_followed, further, false);
-  const auto third = h_of_contact(motions, gamma, 3 * least, is_followed, further, false);
+  const auto second = h_of_contact(motions, gamma, 2 * least, is_followed, further, false, harmonic);
+  const auto third = h_of_contact(motions, gamma, 3 * least, is_followed, further, false, harmonic);
   if (!second || !third) return std::nullopt;
   // The parabola through these, off by the cube of the angle.
   const double x = tau / least;
@@ -206,13 +209,14 @@ ContactResponses::ContactResponses(double restitution)
       beside_(restitution + contact_difference <= 1 ? restitution + contact_difference
                                                     : restitution - contact_difference) {}
 
-std::optional<GapResponse> ContactResponses::at(double gamma, double tau, bool is_followed, FoundMotions found) const {
-  const auto here = contact_h(here_, gamma, tau, is_followed, found, true);
+std::optional<GapResponse> ContactResponses::at(double gamma, double tau, bool is_followed, FoundMotions found,
+                                                int harmonic) const {
+  const auto here = contact_h(here_, gamma, tau, is_followed, found, true, harmonic);
   if (!here) return std::nullopt;
   const double by = std::max(tau * contact_difference, is_followed ? least_followed_tau : least_symmetric_tau);
   const auto moved = [&](const ContactMotions& motions, double log_change, double longer) {
     FoundMotions neighbour = found;
-    return contact_h(motions, gamma * std::exp(log_change), tau + longer, is_followed, neighbour, false);
+    return contact_h(motions, gamma * std::exp(log_change), tau + longer, is_followed, neighbour, false, harmonic);
   };
   const auto stronger = moved(here_, contact_difference, 0), beside = moved(beside_, 0, 0),
              longer = moved(here_, 0, by);

@@ -39,13 +39,14 @@ class ContactMotions {
     double largest_multiplier;  // below 1: stable
   };
   /// Empty where there is none of two simple contacts.  @param tau  > 0
-  [[nodiscard]] std::optional<Symmetric> symmetric(double gamma, double tau, FoundMotions& found) const;
+  /// @param harmonic  1, 3 or 5, here and below
+  [[nodiscard]] std::optional<Symmetric> symmetric(double gamma, double tau, int harmonic, FoundMotions& found) const;
 
   /// h of the stable orbit of one period, of any contacts, that was found last or, from_start, that is beside the
   /// symmetric one found where that has just lost its stability, or that contact at rest leads to.
   /// @param tau  > 0
-  [[nodiscard]] std::optional<std::complex<double>> followed(double gamma, double tau, FoundMotions& found,
-                                                             bool from_start) const;
+  [[nodiscard]] std::optional<std::complex<double>> followed(double gamma, double tau, int harmonic,
+                                                             FoundMotions& found, bool from_start) const;
 
   [[nodiscard]] double restitution() const noexcept { return restitution_; }
 
@@ -61,7 +62,8 @@ class ContactMotions {
 /// h of the symmetric orbit, or of the orbit followed().  Near tau = 0 interpolated from the hard motion.
 /// @param tau  >= 0
 [[nodiscard]] std::optional<std::complex<double>> contact_h(const ContactMotions& motions, double gamma, double tau,
-                                                            bool is_followed, FoundMotions& found, bool from_start);
+                                                            bool is_followed, FoundMotions& found, bool from_start,
+                                                            int harmonic = 1);
 
 /// The same over a neighbourhood.
 class ContactResponses {
@@ -70,7 +72,8 @@ class ContactResponses {
   explicit ContactResponses(double restitution);
   /// With derivatives by differences, to four or five digits.  Empty where the motion, or one of a neighbour, does not
   /// exist.
-  [[nodiscard]] std::optional<GapResponse> at(double gamma, double tau, bool is_followed, FoundMotions found) const;
+  [[nodiscard]] std::optional<GapResponse> at(double gamma, double tau, bool is_followed, FoundMotions found,
+                                              int harmonic = 1) const;
 
  private:
   ContactMotions here_, beside_;

@@ -44,12 +44,18 @@ Units units(const FrictionGroups& groups) {
           {force, 1}};
 }
 
-CompliantFlow flow_of(const Units& units, Output output) {
-  return {units.bodies, units.force, output, exact, 1};
+/// What is read: the position of a body, and which harmonic of it.
+struct Read {
+  Output output;
+  int harmonic;
+};
+
+CompliantFlow flow_of(const Units& units, Read read) {
+  return {units.bodies, units.force, read.output, exact, read.harmonic};
 }
 
-Complex reading(const CompliantRun& run, const CompliantFlow& flow) {
-  return run.phasors().front() / Complex(0, flow.omega()) / flow.force();
+Complex reading(const CompliantRun& run, const CompliantFlow& flow, Read read) {
+  return run.phasors().back() / Complex(0, read.harmonic * flow.omega()) / flow.force();
 }
 
 bool is_steady(const std::optional<CompliantOrbit>& orbit) {
@@ -108,14 +114,14 @@ struct Followed {
   Complex n;
   CompliantOrbit orbit;
 };
-std::optional<Followed> followed(const FrictionGroups& groups, Output output, FrictionStart start,
+std::optional<Followed> followed(const FrictionGroups& groups, Read read, FrictionStart start,
                                  const FoundOrbit& found) {
-  const CompliantFlow flow = flow_of(units(groups), output);
+  const CompliantFlow flow = flow_of(units(groups), read);
   auto orbit = orbit_of(flow, groups, start, found);
   if (!orbit) return std::nullopt;
   CompliantRun run(flow, orbit->state, orbit->mode);
   run.follow(1);
-  return Followed{reading(run, flow), std::move(*orbit)};
+  return Followed{reading(run, flow, read), std::move(*orbit)};
 }
 
 FrictionGroups with_tau(FrictionGroups groups, double tau) {
@@ -124,23 +130,23 @@ FrictionGroups with_tau(FrictionGroups groups, double tau) {
 }
 
 // Of contacts that take time.
-std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Output output, const FoundOrbit& found) {
-  const CompliantFlow flow = flow_of(units(groups), output);
+std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Read read, const FoundOrbit& found) {
+  const CompliantFlow flow = flow_of(units(groups), read);
   const auto orbit = orbit_of(flow, groups, FrictionStart::found, found);
   if (!orbit) return std::nullopt;
   CompliantRun run(flow, orbit->state, orbit->mode);
   run.begin_transition();
   run.follow(1);
   const Eigen::VectorXd end = run.state();
-  const Complex here = reading(run, flow);
+  const Complex here = reading(run, flow, read);
   const std::vector<Index>& repeating = flow.repeating();
   const auto count = static_cast<Index>(repeating.size());
   const Eigen::MatrixXd remaining = Eigen::MatrixXd::Identity(count, count) - orbit->monodromy;
-  // The two states of the phasor are the last; what they are at the end turns into n as reading() does.
+  // The two states of the highest phasor are the last; what they are at the end turns into n as reading() does.
   const Index phasors = end.size() - 2;
-  const Complex to_n = flow.omega() / (std::numbers::pi * Complex(0, flow.omega()) * flow.force());
+  const Complex to_n = flow.omega() / (std::numbers::pi * Complex(0, read.harmonic * flow.omega()) * flow.force());
   const auto by = [&](const FrictionGroups& other, double step) {
-    const CompliantFlow beside = flow_of(units(other), output);
+    const CompliantFlow beside = flow_of(units(other), read);
     CompliantRun changed(beside, orbit->state, orbit->mode);
     changed.follow(1);
     Eigen::VectorXd moved(count);
@@ -149,7 +155,7 @@ std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Output
       moved[i] = (changed.state()[at] - end[at]) / step;
     }
     const Eigen::VectorXd of_orbit = frac::detail::solve_square(remaining, moved);
-    Complex n = (reading(changed, beside) - here) / step;
+    Complex n = (reading(changed, beside, read) - here) / step;
     for (Index i = 0; i < count; ++i) {
       const Index at = repeating[static_cast<std::size_t>(i)];
       n += to_n * of_orbit[i] * Complex(run.transition()(phasors, at), run.transition()(phasors + 1, at));
@@ -182,23 +188,26 @@ std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Output
 
 }  // namespace
 
-std::optional<Complex> friction_n(const FrictionGroups& groups, Output output, FrictionStart start, FoundOrbit& found) {
+std::optional<Complex> friction_n(const FrictionGroups& groups, Output output, FrictionStart start, FoundOrbit& found,
+                                  int harmonic) {
+  const Read read{output, harmonic};
   const double x = groups.tau / least_tau;
-  auto near = followed(with_tau(groups, std::max(groups.tau, least_tau)), output, start, found);
+  auto near = followed(with_tau(groups, std::max(groups.tau, least_tau)), read, start, found);
   if (!near) return std::nullopt;
   found = std::move(near->orbit);
   if (x >= 1) return near->n;
-  const auto far = followed(with_tau(groups, 2 * least_tau), output, FrictionStart::found, found);
+  const auto far = followed(with_tau(groups, 2 * least_tau), read, FrictionStart::found, found);
   if (!far) return std::nullopt;
   return near->n + (x - 1) * (far->n - near->n);
 }
 
-std::optional<FrictionResponse> friction_response(const FrictionGroups& groups, Output output,
-                                                  const FoundOrbit& found) {
+std::optional<FrictionResponse> friction_response(const FrictionGroups& groups, Output output, const FoundOrbit& found,
+                                                  int harmonic) {
+  const Read read{output, harmonic};
   const double x = groups.tau / least_tau;
-  auto near = response_at(with_tau(groups, std::max(groups.tau, least_tau)), output, found);
+  auto near = response_at(with_tau(groups, std::max(groups.tau, least_tau)), read, found);
   if (!near || x >= 1) return near;
-  const auto far = response_at(with_tau(groups, 2 * least_tau), output, found);
+  const auto far = response_at(with_tau(groups, 2 * least_tau), read, found);
   if (!far) return std::nullopt;
   const auto line = [&](auto member) {
     const Complex first = (*near).*member, second = (*far).*member;

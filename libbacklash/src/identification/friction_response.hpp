@@ -39,11 +39,12 @@ enum class FrictionStart {
 /// Of hard contacts extrapolated from two that take nearly no time: off by the square of their angle, 1e-6.
 /// Without friction the load has a millionth of the force, which keeps the bodies from drifting and moves n by about as
 /// much.
-/// @param output  of which body
+/// @param output    of which body
+/// @param harmonic  from 1 on
 [[nodiscard]] std::optional<std::complex<double>> friction_n(const FrictionGroups& groups, Output output,
-                                                             FrictionStart start, FoundOrbit& found);
+                                                             FrictionStart start, FoundOrbit& found, int harmonic = 1);
 /// With derivatives: that of the orbit by the flow's own, what parameters change over a period by differences.
 [[nodiscard]] std::optional<FrictionResponse> friction_response(const FrictionGroups& groups, Output output,
-                                                                const FoundOrbit& found);
+                                                                const FoundOrbit& found, int harmonic = 1);
 
 }  // namespace backlash::detail

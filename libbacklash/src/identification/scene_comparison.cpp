@@ -48,6 +48,7 @@ std::vector<ComparedCurve> compared_curves(const std::vector<MeasuredDescribingF
     if (!fits) throw std::invalid_argument("the identification does not belong to these curves");
     if (point.status == PointStatus::irregular) continue;
     const MeasuredDescribingFunction& curve = curves[point.curve];
+    if (curve.harmonic != 1) continue;
     ComparedCurve& compared = result[point.curve];
     compared.force = curve.force_amplitude;
     compared.omega.push_back(point.omega);

@@ -26,10 +26,14 @@ void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const S
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const std::string curve = "curve " + std::to_string(i);
     require_positive(curve + ": force_amplitude", "N", curves[i].force_amplitude);
+    if (const int harmonic = curves[i].harmonic; harmonic != 1 && harmonic != 3 && harmonic != 5)
+      throw std::invalid_argument(curve + ": harmonic is " + std::to_string(harmonic) + "; it must be 1, 3 or 5");
     if (options.weight == frac::Weight::given && curves[i].data.sigma().empty()) {
       throw std::invalid_argument(curve + ": weight is given, but the data have no sigma");
     }
   }
+  if (std::none_of(curves.begin(), curves.end(), [](const auto& curve) { return curve.harmonic == 1; }))
+    throw std::invalid_argument("all curves are of harmonics above the first; one of harmonic 1 is needed");
   using frac::Component;
   using frac::Weight;
   if (options.component != Component::both && options.component != Component::real &&
@@ -51,9 +55,10 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
     const frac::FrequencyResponseData& response = curves[curve].data;
     for (std::size_t i = 0; i < response.size(); ++i) {
       const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
-      data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma});
+      data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma,
+                             curves[curve].harmonic});
       const double size = std::abs(response.value()[i]);
-      if (size > 0) sizes.push_back(size);
+      if (size > 0 && curves[curve].harmonic == 1) sizes.push_back(size);
     }
   }
   data.curve_begin.push_back(data.points.size());
@@ -62,6 +67,7 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   std::vector<double> omegas, misfits;
   for (const MeasuredPoint& point : data.points) {
     omegas.push_back(point.omega);
+    if (point.harmonic != 1) continue;
     const double deviation = data.deviation(point, point.value);
     if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
   }
@@ -75,6 +81,7 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
 std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {
   std::vector<double> products;
   for (const MeasuredDescribingFunction& curve : curves) {
+    if (curve.harmonic != 1) continue;
     std::vector<double> omega = curve.data.omega();
     omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
     if (omega.size() < 5) continue;

@@ -128,8 +128,8 @@ void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene&
   const OutputCoefficients coefficients = output_coefficients(local.theta, data.output);
   for (std::size_t i = 0; i < local.choices.size(); ++i) {
     PointChoice& choice = local.choices[i];
-    if (choice.used) continue;
     const MeasuredPoint& point = data.points[i];
+    if (choice.used || point.harmonic != 1) continue;
     // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their angle.
     // So does that of masses with friction, by about its share of the force.
     const double angle =

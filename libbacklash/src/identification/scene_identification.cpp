@@ -64,7 +64,7 @@ detail::KnownScene known_scene(const detail::SceneData& data, const std::vector<
   std::vector<double> masses, amplitudes;
   for (const detail::MeasuredPoint& point : data.points) {
     const double size = std::abs(point.value);
-    if (!(size > 0)) continue;
+    if (!(size > 0) || point.harmonic != 1) continue;
     masses.push_back(-std::log(size) - 2 * std::log(point.omega));
     amplitudes.push_back(std::log(point.force) + std::log(size));
   }

@@ -78,7 +78,8 @@ double gamma_at(const SceneVector& theta, const MeasuredPoint& point) {
 }
 
 Complex point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point, Complex h) {
-  return (coefficients.rigid + coefficients.moving * h) / (point.omega * point.omega);
+  const double rigid = point.harmonic == 1 ? coefficients.rigid : 0;
+  return (rigid + coefficients.moving * h) / (point.omega * point.omega);
 }
 
 double contact_angle(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
@@ -90,7 +91,8 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
   const double scale = 1 / (point.omega * point.omega);
   const Complex by_log_gamma = scale * coefficients.moving * response.by_log_gamma;
   const auto by_mass = [&](std::size_t i) {
-    return scale * (coefficients.rigid_by_log_mass[i] + coefficients.moving_by_log_mass[i] * response.h);
+    const double rigid = point.harmonic == 1 ? coefficients.rigid_by_log_mass[i] : 0;
+    return scale * (rigid + coefficients.moving_by_log_mass[i] * response.h);
   };
   return {point_value(coefficients, point, response.h),
           {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution,

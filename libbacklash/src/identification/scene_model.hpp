@@ -23,7 +23,8 @@ struct MeasuredPoint {
   std::size_t curve, index;
   double force, omega;
   std::complex<double> value;
-  double sigma;  // NaN when unknown
+  double sigma;      // NaN when unknown
+  int harmonic = 1;  // 1, 3 or 5
 };
 
 /// All points of all curves, in the order of the curves and of rising omega, and how residuals are formed of them.
@@ -50,7 +51,7 @@ struct SceneData {
   [[nodiscard]] double robust_cost(const MeasuredPoint& point, std::optional<std::complex<double>> model) const;
 };
 
-/// N = (rigid + moving h)/omega^2.
+/// N = (rigid + moving h)/omega^2; of a harmonic above the first without the rigid term.
 struct OutputCoefficients {
   double rigid, moving;
   std::array<double, 2> rigid_by_log_mass, moving_by_log_mass;

@@ -25,6 +25,19 @@ struct ByLoss {
   Complex h, by_log_gamma, by_loss;
 };
 
+// The contacts of two impacts per period, as far apart as may be, are velocity jumps J and -J, of which the harmonics
+// are -J e^{-jk tau}(1 - e^{-jk phi})/(pi k^2 gamma): of odd k, half a period apart, the fundamental's size over k^2 at
+// k times its angle.
+ByLoss harmonic_of(const ByLoss& fundamental, int k) {
+  if (k == 1) return fundamental;
+  const Complex h = std::polar(std::abs(fundamental.h) / (k * k), k * std::arg(fundamental.h));
+  const auto by = [&](Complex change) {
+    const Complex relative = change / fundamental.h;
+    return h * Complex(relative.real(), k * relative.imag());
+  };
+  return {h, by(fundamental.by_log_gamma), by(fundamental.by_loss)};
+}
+
 // kappa = (1 - e)/(1 + e) takes the place of restitution, P = (1 + e) v/2 that of the impact speed v:
 //   kappa^2 P^2 + (1 - pi P)^2/4 = gamma^2 (larger root),   h = -(4 P/(pi gamma^2)) [(1 - pi P)/2 + j kappa P].
 std::optional<ByLoss> symmetric_response(double gamma, double kappa) {
@@ -63,14 +76,22 @@ struct AsymmetricMember {
     const double d_by_x = 2 * std::sin(x) - 0.5 * (pi * pi - 4 * x * x) * s_by_x;
     return -d_by_x / d + t * t_by_x() / (1 + t * t);
   }
-  [[nodiscard]] ByLoss response() const {
+  [[nodiscard]] ByLoss response(int k) const {
     const Complex turn = 1.0 / (1.0 + j * t);
     const Complex h = 2 * s * cos_x * turn;
     const Complex h_by_x = 2 * (s_by_x * cos_x - s * std::sin(x)) * turn - h * turn * j * t_by_x();
     const double t_by_kappa = 0.5 * pi * s / cos_x;
     const double log_gamma_by_kappa = t * t_by_kappa / (1 + t * t);
     const double x_by_log_gamma = 1 / log_gamma_by_x();
-    return {h, h_by_x * x_by_log_gamma, -h * turn * j * t_by_kappa - h_by_x * x_by_log_gamma * log_gamma_by_kappa};
+    const double x_by_kappa = -x_by_log_gamma * log_gamma_by_kappa;
+    const ByLoss fundamental{h, h_by_x * x_by_log_gamma, -h * turn * j * t_by_kappa + h_by_x * x_by_kappa};
+    if (k == 1) return fundamental;
+    // Impacts pi - 2x apart: sin(k (pi - 2x)/2) in the place of sin((pi - 2x)/2), up to the sign of half a period.
+    const ByLoss of_halves = harmonic_of(fundamental, k);
+    const double ratio = std::cos(k * x) / cos_x;
+    const double ratio_by_x = (ratio * std::sin(x) - k * std::sin(k * x)) / cos_x;
+    return {of_halves.h * ratio, of_halves.by_log_gamma * ratio + of_halves.h * ratio_by_x * x_by_log_gamma,
+            of_halves.by_loss * ratio + of_halves.h * ratio_by_x * x_by_kappa};
   }
 };
 
@@ -79,7 +100,7 @@ constexpr double largest_asymmetry = 1.2;
 // Nearer to the pitchfork both dh/dx and dgamma/dx are lost in rounding, while their ratio has a limit.
 constexpr double least_asymmetry = 1e-5;
 
-std::optional<ByLoss> asymmetric_response(double gamma, double kappa) {
+std::optional<ByLoss> asymmetric_response(double gamma, double kappa, int harmonic) {
   double lower = least_asymmetry, upper = largest_asymmetry;
   if (AsymmetricMember(upper, kappa).gamma() < gamma) return std::nullopt;
   double x = 0.3;
@@ -92,35 +113,38 @@ std::optional<ByLoss> asymmetric_response(double gamma, double kappa) {
     if (std::abs(next - x) <= 1e-15) break;
     x = next;
   }
-  return AsymmetricMember(x, kappa).response();
+  return AsymmetricMember(x, kappa).response(harmonic);
 }
 
 }  // namespace
 
-std::optional<GapResponse> two_impact_response(double gamma, double restitution) {
+std::optional<GapResponse> two_impact_response(double gamma, double restitution, int harmonic) {
   const double kappa = loss_ratio(restitution);
   const double kappa_by_restitution = -2 / ((1 + restitution) * (1 + restitution));
-  const auto response = gamma <= symmetry_breaking_gamma(restitution) ? symmetric_response(gamma, kappa)
-                                                                      : asymmetric_response(gamma, kappa);
+  const bool is_symmetric = gamma <= symmetry_breaking_gamma(restitution);
+  auto response = is_symmetric ? symmetric_response(gamma, kappa) : asymmetric_response(gamma, kappa, harmonic);
+  if (response && is_symmetric) response = harmonic_of(*response, harmonic);
   if (!response) return std::nullopt;
   return GapResponse{response->h, response->by_log_gamma, response->by_loss * kappa_by_restitution, 0};
 }
 
-std::optional<Complex> sticking_h(double gamma, double restitution) {
+std::optional<Complex> sticking_h(double gamma, double restitution, int harmonic) {
   // A motion that wanders for long enough to tell about its mean does not stick every period.
   const MeanGoal rough{1, -gamma, Transients::ignored};
   const SteadyState steady =
       find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance, rough);
   // Its multiplier is exactly 0.
   if (steady.spectral_radius != 0) return std::nullopt;
-  return steady.harmonics.u1_plus_gamma / gamma;
+  if (harmonic == 1) return steady.harmonics.u1_plus_gamma / gamma;
+  const auto order = std::find(harmonic_orders.begin(), harmonic_orders.end(), harmonic);
+  return steady.harmonics.u[static_cast<std::size_t>(order - harmonic_orders.begin())] / gamma;
 }
 
-std::optional<GapResponse> sticking_response(double gamma, double restitution) {
+std::optional<GapResponse> sticking_response(double gamma, double restitution, int harmonic) {
   const double step = restitution + difference_step <= 1 ? difference_step : -difference_step;
-  const auto here = sticking_h(gamma, restitution);
-  const auto stronger = sticking_h(gamma * std::exp(difference_step), restitution);
-  const auto beside = sticking_h(gamma, restitution + step);
+  const auto here = sticking_h(gamma, restitution, harmonic);
+  const auto stronger = sticking_h(gamma * std::exp(difference_step), restitution, harmonic);
+  const auto beside = sticking_h(gamma, restitution + step, harmonic);
   if (!here || !stronger || !beside) return std::nullopt;
   return GapResponse{*here, (*stronger - *here) / difference_step, (*beside - *here) / step, 0};
 }

@@ -10,7 +10,8 @@
 
 namespace backlash::detail {
 
-/// h = 1 + U/gamma of a steady relative motion, U the phasor of u = y/clearance, with its derivatives.
+/// h = 1 + U/gamma of a steady relative motion, U the phasor of u = y/clearance, with its derivatives; of a harmonic k
+/// above the first h = U_k/gamma.
 struct GapResponse {
   std::complex<double> h;
   std::complex<double> by_log_gamma;
@@ -21,13 +22,15 @@ struct GapResponse {
 /// The orbit of two impacts per period, symmetric up to symmetry_breaking_gamma and asymmetric above, whether stable or
 /// not, in closed form.  Empty below the saddle-node, or where no member of the asymmetric family has this gamma.
 /// @param restitution  in [0, 1]
-[[nodiscard]] std::optional<GapResponse> two_impact_response(double gamma, double restitution);
+/// @param harmonic     odd
+[[nodiscard]] std::optional<GapResponse> two_impact_response(double gamma, double restitution, int harmonic = 1);
 
 /// h of the motion that sticks every period after release from contact, mostly after chatter: it has forgotten its
 /// past, so there is only one.  Empty where the motion from contact at rest becomes another one.
-[[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution);
+/// @param harmonic  1, 3 or 5
+[[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution, int harmonic = 1);
 /// With derivatives by differences, to five digits; empty also where a neighbour they need does not stick.
-[[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution);
+[[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution, int harmonic = 1);
 
 /// A motion that some start leads to.
 struct StartedMotion {

@@ -51,8 +51,10 @@ double two_impact_end(double restitution) {
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
 }
 
-std::optional<Complex> sticking_h_of(double gamma, double restitution, Effort effort) {
-  if (effort == Effort::settle) return sticking_h(gamma, restitution);
+std::optional<Complex> sticking_h_of(double gamma, double restitution, Effort effort, int harmonic) {
+  if (effort == Effort::settle) return sticking_h(gamma, restitution, harmonic);
+  // The table holds the fundamental alone.
+  if (harmonic != 1) return std::nullopt;
   const auto response = rough_sticking_response(gamma, restitution);
   return response ? std::optional<Complex>(response->h) : std::nullopt;
 }
@@ -157,7 +159,7 @@ class Solver {
     const double gamma = gamma_at(theta_, point), tau = contact_angle(theta_, data_, point);
     FoundMotions& found = found_[i];
     bool is_stable = false;
-    if (const auto h = contact_h(motions, gamma, tau, false, found, true)) {
+    if (const auto h = contact_h(motions, gamma, tau, false, found, true, point.harmonic)) {
       is_stable = found.symmetric->largest_multiplier < 1;
       if (found.symmetric->largest_multiplier < most_multiplier)
         offer(i, coefficients, PointChoice::Kind::two_impact, *h);
@@ -172,7 +174,7 @@ class Solver {
     const MeasuredPoint& point = data_.points[i];
     FoundMotions& found = found_[i];
     const auto h = contact_h(motions, gamma_at(theta_, point), contact_angle(theta_, data_, point), true, found,
-                             found.failures < most_failures);
+                             found.failures < most_failures, point.harmonic);
     if (h) {
       offer(i, coefficients, PointChoice::Kind::sticking, *h);
     } else {
@@ -188,7 +190,7 @@ class Solver {
     FoundOrbit nearest;
     const auto offer_from = [&](FrictionStart start) {
       FoundOrbit found = orbits_[i];
-      const auto n = friction_n(groups, data_.output, start, found);
+      const auto n = friction_n(groups, data_.output, start, found, point.harmonic);
       if (n && offer(i, PointChoice::Kind::sticking, friction_value(theta_, point, *n))) nearest = std::move(found);
       return n.has_value();
     };
@@ -216,7 +218,7 @@ class Solver {
     } else {
       offer_hard_motions(i, coefficients, limit, onset);
     }
-    if (choices_[i].kind != PointChoice::Kind::none) return;
+    if (choices_[i].kind != PointChoice::Kind::none || point.harmonic != 1) return;
     // What N is about where the scene is irregular: its mean from contact at rest, or the orbit of two impacts, which
     // motions of doubled period and the chaos after them stay about for a while.
     if (const auto h = mean_h(gamma, restitution)) offer_mean(i, coefficients, *h);
@@ -228,8 +230,9 @@ class Solver {
   void offer_hard_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
     const double gamma = gamma_at(theta_, data_.points[i]);
     const double restitution = theta_[3];
+    const int harmonic = data_.points[i].harmonic;
     if (gamma <= limit) {
-      if (const auto response = two_impact_response(gamma, restitution)) {
+      if (const auto response = two_impact_response(gamma, restitution, harmonic)) {
         offer(i, coefficients, PointChoice::Kind::two_impact, response->h);
       }
     }
@@ -238,7 +241,7 @@ class Solver {
       offer(i, coefficients, PointChoice::Kind::free, 0.0);
     }
     if (gamma >= onset) {
-      if (const auto h = sticking_h_of(gamma, restitution, effort_))
+      if (const auto h = sticking_h_of(gamma, restitution, effort_, harmonic))
         offer(i, coefficients, PointChoice::Kind::sticking, *h);
     }
   }
@@ -278,7 +281,8 @@ class Solver {
     const MeasuredPoint& point = data_.points[i];
     if (has_friction()) {
       FoundOrbit found = orbits_[i];
-      const auto n = friction_n(friction_groups(theta, data_, point), data_.output, FrictionStart::found, found);
+      const auto n =
+          friction_n(friction_groups(theta, data_, point), data_.output, FrictionStart::found, found, point.harmonic);
       return n ? std::optional<Complex>(friction_value(theta, point, *n)) : std::nullopt;
     }
     const auto h = h_at(i, theta, contact);
@@ -288,20 +292,21 @@ class Solver {
   [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta,
                                             const ContactMotions* contact) const {
     const double gamma = gamma_at(theta, data_.points[i]);
+    const int harmonic = data_.points[i].harmonic;
     if (contact != nullptr && choices_[i].kind != PointChoice::Kind::free) {
       FoundMotions found = found_[i];
       return contact_h(*contact, gamma, contact_angle(theta, data_, data_.points[i]),
-                       choices_[i].kind == PointChoice::Kind::sticking, found, false);
+                       choices_[i].kind == PointChoice::Kind::sticking, found, false, harmonic);
     }
     switch (choices_[i].kind) {
       case PointChoice::Kind::two_impact: {
-        const auto response = two_impact_response(gamma, theta[3]);
+        const auto response = two_impact_response(gamma, theta[3], harmonic);
         return response ? std::optional<Complex>(response->h) : std::nullopt;
       }
       case PointChoice::Kind::sticking:
         // Chaotic motion takes a long mean to be told from motion that sticks: not tried where it is expected.
         if (gamma < chatter_onset(theta[3])) return std::nullopt;
-        return sticking_h_of(gamma, theta[3], effort_);
+        return sticking_h_of(gamma, theta[3], effort_, harmonic);
       default:
         return Complex(0);
     }
@@ -350,10 +355,12 @@ class Solver {
 std::optional<GapResponse> response_of(const SceneData& data, const SceneVector& theta, std::size_t i,
                                        const PointChoice& choice, Effort effort) {
   const double gamma = gamma_at(theta, data.points[i]);
+  const int harmonic = data.points[i].harmonic;
   switch (choice.kind) {
     case PointChoice::Kind::two_impact:
-      return two_impact_response(gamma, theta[3]);
+      return two_impact_response(gamma, theta[3], harmonic);
     case PointChoice::Kind::sticking:
+      if (harmonic != 1) return sticking_response(gamma, theta[3], harmonic);
       return effort == Effort::settle ? sticking_response(gamma, theta[3]) : rough_sticking_response(gamma, theta[3]);
     case PointChoice::Kind::free:
       return GapResponse{};
@@ -374,13 +381,14 @@ NormalEquations products(const SceneData& data, const SceneVector& theta, const 
   const auto gradient_of = [&](std::size_t i) -> std::optional<PointGradient> {
     const MeasuredPoint& point = data.points[i];
     if (!orbits.empty()) {
-      const auto response = friction_response(friction_groups(theta, data, point), data.output, orbits[i]);
+      const auto response =
+          friction_response(friction_groups(theta, data, point), data.output, orbits[i], point.harmonic);
       if (!response) return std::nullopt;
       return friction_gradient(theta, data, point, *response);
     }
     const auto response = contact && choices[i].kind != PointChoice::Kind::free
                               ? contact->at(gamma_at(theta, data.points[i]), contact_angle(theta, data, data.points[i]),
-                                            choices[i].kind == PointChoice::Kind::sticking, found[i])
+                                            choices[i].kind == PointChoice::Kind::sticking, found[i], point.harmonic)
                               : response_of(data, theta, i, choices[i], effort);
     if (!response) return std::nullopt;
     return point_gradient(coefficients, data, point, *response);

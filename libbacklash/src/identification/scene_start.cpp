@@ -64,9 +64,11 @@ SceneVector scene(const Masses& masses, double log_product, double restitution, 
 
 // Points that rate a place: all, or some of them all over the curves.
 std::vector<std::size_t> rating_points(const SceneData& data) {
-  std::vector<std::size_t> points;
-  const std::size_t stride = (data.points.size() + most_points - 1) / most_points;
-  for (std::size_t i = 0; i < data.points.size(); i += stride) points.push_back(i);
+  std::vector<std::size_t> fundamental, points;
+  for (std::size_t i = 0; i < data.points.size(); ++i)
+    if (data.points[i].harmonic == 1) fundamental.push_back(i);
+  const std::size_t stride = (fundamental.size() + most_points - 1) / most_points;
+  for (std::size_t i = 0; i < fundamental.size(); i += stride) points.push_back(fundamental[i]);
   return points;
 }
 

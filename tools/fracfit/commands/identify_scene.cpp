@@ -66,6 +66,13 @@ class IdentifyScene : public Command {
              "auto estimates it where the data tell it from none, estimate always")
         .not_with({"--load-receptance"}, "which knows viscous friction only")
         .not_with({"--drive-receptance"}, "which knows viscous friction only");
+    o.numbers("--harmonic-orders", orders_,
+              "Harmonics to use beside the fundamental, of tables of fracfit response with one output: 3, 5 or both",
+              "LIST")
+        .default_is("none")
+        .not_with({"--columns"}, "as the harmonics stand in columns of their own")
+        .not_with({"--load-receptance"}, "whose motion is followed in its fundamental")
+        .not_with({"--drive-receptance"}, "whose motion is followed in its fundamental");
     add_open_receptances(o, load_, drive_);
     o.texts("--fix", given_.fix,
             "of mass1, mass2, clearance, restitution, contact_time, friction1 and friction2, or of names in the "
@@ -103,6 +110,10 @@ class IdentifyScene : public Command {
     // The scene is one of N; a file of -1/N tells it.
     reading_.quantity = backlash::Quantity::n;
     for (const auto& text : where_) reading_.where.emplace_back(text);
+    for (const double order : orders_)
+      if ((order != 3 && order != 5) || std::count(orders_.begin(), orders_.end(), order) > 1)
+        throw std::invalid_argument("--harmonic-orders " + options()["--harmonic-orders"].text() +
+                                    ": allowed are 3 and 5, each once");
     if (force_.size() > 1 && force_.size() != data_.size())
       throw std::invalid_argument("--force names " + std::to_string(force_.size()) + " amplitudes for " +
                                   std::to_string(data_.size()) + " files; expected one for all or one per file");
@@ -152,6 +163,7 @@ class IdentifyScene : public Command {
   std::vector<backlash::MeasuredDescribingFunction> read(SceneRun& run) {
     std::vector<backlash::MeasuredDescribingFunction> curves;
     bool all_measured = true;
+    std::size_t source = 0;
     std::string body = body_ ? std::string(backlash::to_string(*body_)) : "";
     for (const auto& [name, rows] : sources()) {
       reading_.rows = rows;
@@ -171,9 +183,15 @@ class IdentifyScene : public Command {
       if (!measured.empty() && measured != body)
         throw std::invalid_argument(name + " is of " + measured + ", not of " + body +
                                     "; all files must be of the same mass");
-      run.files.push_back(name);
-      run.forces.push_back(force_of(curves.size(), name, file));
-      curves.push_back({std::move(file.data), run.forces.back()});
+      const double force = force_of(source++, name, file);
+      const auto add = [&](frac::FrequencyResponseData data, int harmonic) {
+        run.files.push_back(name);
+        run.forces.push_back(force);
+        run.harmonics.push_back(harmonic);
+        curves.push_back({std::move(data), force, harmonic});
+      };
+      add(std::move(file.data), 1);
+      for (const double order : orders_) add(harmonic_of(name, static_cast<int>(order)), static_cast<int>(order));
     }
     if (all_measured && !options()["--weight"].is_given()) {
       scene_.weight = frac::Weight::given;
@@ -185,9 +203,17 @@ class IdentifyScene : public Command {
     return curves;
   }
 
+  /// A harmonic from the columns that `response` writes.
+  [[nodiscard]] frac::FrequencyResponseData harmonic_of(const std::string& name, int order) const {
+    auto reading = reading_;
+    const std::string column = "harmonic" + std::to_string(order);
+    reading.how.columns = "omega=omega_rad_s,re=" + column + "_re,im=" + column + "_im,sigma=" + column + "_sigma";
+    return io::read_frequency_response(name, reading).data;
+  }
+
   int run() override {
     scene_.threads = threads();
-    SceneRun run{"", {}, {}, {}};
+    SceneRun run{};
     const auto curves = read(run);
     if (has_receptances()) {
       const auto result = backlash::identify_bodies(curves, receptances(), scene_);
@@ -211,7 +237,7 @@ class IdentifyScene : public Command {
     for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
     const std::string body(backlash::to_string(scene_.output));
     // A table of several forces has them in its column.
-    if (run.files.size() == data_.size()) options()["--force"].say(forces);
+    if (run.files.size() == data_.size() && orders_.empty()) options()["--force"].say(forces);
     options()["--body"].say(body);
     run.command = command_line();
     run.options = {{"output", body}};
@@ -235,7 +261,7 @@ class IdentifyScene : public Command {
   std::vector<std::string> data_, where_;
   std::string load_, drive_;
   ParameterOptions given_;
-  std::vector<double> force_;
+  std::vector<double> force_, orders_;
   std::optional<backlash::Output> body_;
   backlash::SceneIdentificationOptions scene_;
   io::FrequencyResponseReadOptions reading_;

@@ -26,7 +26,7 @@ template <typename Identification>
 Json identification_json(const SceneRun& run, const Identification& result) {
   Json json = origin(run.command);
   json["data"] = Json::list_of(run.files.size(), [&](std::size_t i) {
-    return Json{{"file", run.files[i]}, {"force_n", run.forces[i]}};
+    return Json{{"file", run.files[i]}, {"force_n", run.forces[i]}, {"harmonic", run.harmonics[i]}};
   });
   json["options"] = Json::object();
   for (const auto& [key, value] : run.options) json["options"][key] = value;
@@ -45,8 +45,10 @@ std::string data_table(const SceneRun& run, const Identification& result) {
       used += point.status == backlash::PointStatus::used ? 1 : 0;
       off_branch += point.status == backlash::PointStatus::off_branch ? 1 : 0;
     }
-    data.add({run.files[curve], short_number(run.forces[curve]), std::to_string(all), std::to_string(used),
-              std::to_string(off_branch), std::to_string(all - used - off_branch)});
+    const int harmonic = run.harmonics[curve];
+    data.add({run.files[curve] + (harmonic > 1 ? ", harmonic " + std::to_string(harmonic) : ""),
+              short_number(run.forces[curve]), std::to_string(all), std::to_string(used), std::to_string(off_branch),
+              std::to_string(all - used - off_branch)});
   }
   return data.text();
 }

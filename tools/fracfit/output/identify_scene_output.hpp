@@ -17,6 +17,7 @@ struct SceneRun {
   std::string command;
   std::vector<std::string> files;  // one per curve
   std::vector<double> forces;      // N, likewise
+  std::vector<int> harmonics;      // likewise
   io::Metadata options;
 };
 

@@ -1165,6 +1165,7 @@ def identify_scene(
     curves: Sequence[FrequencyResponse],
     force: Any,
     *,
+    harmonic: Any = 1,
     fixed: Known = None,
     bounds: Limits = None,
     body: str = "x1",
@@ -1186,6 +1187,8 @@ def identify_scene(
         N in m/N, one for each force amplitude.
     force : array_like
         Those amplitudes, N.
+    harmonic : array_like
+        Which harmonic each curve is, 1, 3 or 5; one for all or one for each.  At least one is the fundamental.
     fixed, bounds : mapping, optional
         Of mass1, mass2 (kg), clearance (m), restitution, contact_time (s), friction1 and friction2 (N).  From x1 one mass or the clearance has to be fixed.
     body : {"x1", "x2"}
@@ -1219,6 +1222,9 @@ def identify_scene(
     for i, curve in enumerate(curves):
         if curve.unit.lower() not in ("", "m/n", "m_per_n"):
             raise ValueError(f"curves[{i}] has values in {curve.unit}; expected a motion over a force, in m/N")
+    orders = real_array(np.atleast_1d(harmonic), "harmonic")
+    if orders.size not in (1, len(curves)) or not np.isin(orders, (1, 3, 5)).all():
+        raise ValueError(f"harmonic is {harmonic!r} for {len(curves)} curves; expected 1, 3 or 5, one for all or one for each")
     chosen = weight_of(weight, curves, "relative")
     receptances, starts = {"load_receptance": "", "drive_receptance": ""}, {}
     for name, given in (("load_receptance", load_receptance), ("drive_receptance", drive_receptance)):
@@ -1232,6 +1238,7 @@ def identify_scene(
     request = {
         **receptances,
         **_known(starts, _one_of(fixed, fix, "fixed", "fix"), _one_of(bounds, bound, "bounds", "bound"), None, None, ()),
+        "harmonic": np.broadcast_to(orders, len(curves)).astype(int).tolist(),
         "body": body_of(body),
         "component": text(component, "component"),
         "weight": text(chosen, "weight"),

@@ -95,13 +95,15 @@ class RecordResponse(_Record, Table):
         """Number of points."""
         return self.omega.size
 
-    def frequency_response(self, output: int = 0) -> FrequencyResponse:
+    def frequency_response(self, output: int = 0, harmonic: int = 1) -> FrequencyResponse:
         """Values with their sigma as data; `fit`, `identify` and the others weigh with it.
 
         Parameters
         ----------
         output : int
             Which of several, from 0.
+        harmonic : int
+            Of a stepped sine: which harmonic of the output, over the amplitude of the input.
         """
         rows = np.atleast_2d(self.response)
         chosen = count(output, "output")
@@ -110,10 +112,16 @@ class RecordResponse(_Record, Table):
         if not self.usable:
             why = self.left_out[0][1] if self.left_out else "no line or segment of the excitation was found"
             raise ValueError(f"no point has a value with its deviation: {why}")
+        order, orders = count(harmonic, "harmonic"), self.harmonics.shape[-1] + 1
+        if not 1 <= order <= orders:
+            raise ValueError(f"harmonic is {order}; allowed is 1 to {orders}")
+        values, sigma = rows[chosen], np.atleast_2d(self.sigma)[chosen]
+        if order > 1:
+            values, sigma = (part.reshape(len(rows), -1, orders - 1)[chosen, :, order - 2] for part in (self.harmonics, self.harmonics_sigma))
         return FrequencyResponse(
             self.omega,
-            rows[chosen],
-            np.atleast_2d(self.sigma)[chosen],
+            values,
+            sigma,
             unit=self.units[chosen],
             metadata={"excitation": self.excitation, "sigma": "measured", **({"output": self.names[chosen]} if self.names[chosen] else {})},
         )

@@ -29,8 +29,9 @@ py::dict dict_of_scene(const Identification& found) {
 
 py::dict identified(const py::list& curves, const std::vector<double>& forces, const py::dict& given) {
   std::vector<backlash::MeasuredDescribingFunction> measured;
+  const auto harmonics = given["harmonic"].cast<std::vector<int>>();
   for (std::size_t i = 0; i < forces.size(); ++i)
-    measured.push_back({spectrum_of(curves[i].cast<py::dict>()), forces[i]});
+    measured.push_back({spectrum_of(curves[i].cast<py::dict>()), forces[i], harmonics.at(i)});
   backlash::SceneIdentificationOptions options;
   options.output = backlash::output_from_string(given["body"].cast<std::string>());
   options.component = frac::component_from_string(given["component"].cast<std::string>());

@@ -21,6 +21,9 @@ namespace backlash {
 struct MeasuredDescribingFunction {
   frac::FrequencyResponseData data;
   double force_amplitude;  // N, > 0
+  /// 1, 3 or 5: of the position, over the amplitude of the force, its phase counted from as many times that of the
+  /// force.
+  int harmonic = 1;
 };
 
 /// What a contact is taken for.
@@ -210,6 +213,11 @@ struct SceneIdentification {
 /// ln mass2, ln clearance and restitution, and the estimate is the one of greatest evidence.  Others of nearly equal
 /// evidence are listed and stretch the intervals.
 ///
+/// Harmonics are curves of their own, beside at least one of the fundamental, from which the search begins.  Between
+/// impacts a position moves by its force alone, so that of motions with two hard impacts per period the third and fifth
+/// harmonic of x1 follow from the fundamental: they tell whether the contacts are hard, how long they last, and what
+/// motion it is.
+///
 /// Unless contacts are to be hard, the search goes on from there with the time of a free contact as a fifth parameter,
 /// from 0 on: two contacts per period by the closed form of their flights, other orbits of one period by Newton's
 /// method on the flow (tools/docs/methods/compliant-contact.md), where hard contacts do not describe the data from
@@ -220,7 +228,8 @@ struct SceneIdentification {
 /// orbit of one period that Newton's method on the flow finds.  FrictionModel::automatic takes the scene with friction
 /// where the data tell it from none, and else answers for a scene without; FrictionModel::estimate answers with
 /// friction and intervals that hold for all friction that the data allow.
-/// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
+/// @throws std::invalid_argument  no curve of the fundamental; a harmonic other than 1, 3 and 5; a force amplitude not
+///     positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
 ///     or contradictory, of contact_time where contacts are hard or of friction where there is none; fewer residuals
 ///     than free parameters; all data zero.
