@@ -496,6 +496,7 @@ def fit(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    noise: str | None = None,
     fix: Known = None,
     bound: Limits = None,
 ) -> FitResult:
@@ -548,6 +549,8 @@ def fit(
         The response is an immittance of a passive system, whose real part is nowhere negative.
     offset, trend, earlier_input
         Over time: what the output shows at rest (estimated if None), a drift, an unknown input before the record.
+    noise : {"white", "coloured"}, optional
+        Over time: coloured noise is of first order, its correlation from sample to sample estimated (``noise_correlation``); white if None.
 
     Returns
     -------
@@ -596,6 +599,7 @@ def fit(
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
+        "noise": noise,
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
     _refuse_idle(data, options, fit)
@@ -640,7 +644,7 @@ def _one_of(given: Any, by_command_line: Any, name: str, other: str) -> Any:
 
 # Options that mean something for one kind of data alone.
 _OF_RESPONSES = ("component", "weight", "realisation", "noise_floor", "stable", "dead_time", "passive")
-_OF_RECORDS = ("offset", "trend", "earlier_input")
+_OF_RECORDS = ("offset", "trend", "earlier_input", "noise")
 
 
 def _refuse_idle(data: Any, options: Mapping[str, Any], function: Any) -> None:
@@ -875,6 +879,7 @@ def identify(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    noise: str | None = None,
 ) -> Identification:
     """Ranks structures on data and says whether they speak for a fractional order.
 
@@ -911,6 +916,7 @@ def identify(
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
+        "noise": noise,
     }
     _refuse_idle(data, options, identify)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
