@@ -34,9 +34,9 @@ struct TimeFitOptions {
   /// white noise.  Residuals are freed of that part and brought back to the size of the noise, so that least squares
   /// are the most likely parameters; cost, criteria and intervals are those of these residuals.
   double noise_correlation = 0;
-  /// Coloured: where `noise_correlation` is 0, the most likely one beside the parameters is taken, from 0 to .999, and
-  /// FitResult::noise_correlation tells it.  White: it is as told.  Unset: white for fit(), coloured for identify(),
-  /// which takes one correlation for all candidates.
+  /// Coloured: where `noise_correlation` is 0, the most likely one beside the parameters is taken (restricted
+  /// likelihood), from 0 to .999, and FitResult::noise_correlation tells it.  White: it is as told.  Unset: white for
+  /// fit(), coloured for identify(), which takes one correlation for all candidates.
   std::optional<RecordNoise> noise = std::nullopt;
   Loss loss = Loss::none;
   std::optional<double> loss_scale;  // as in FitOptions
