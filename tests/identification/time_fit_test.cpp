@@ -130,6 +130,89 @@ TEST(TimeFit, InNoiseOfAToldCorrelationIsGeneralisedLeastSquares) {
   }
 }
 
+// A gain and an offset in noise of first order: with C = r^|i - j| the restricted likelihood of r is
+// -(n - 2) ln(e' C^-1 e)/2 - ln|X' C^-1 X|/2 - (n - 1) ln(1 - r^2)/2, and is written out.
+TEST(TimeFit, InColouredNoiseTheCorrelationIsTheMostLikelyBesideTheParameters) {
+  constexpr double r = 0.8;
+  const std::vector<double> time = even_times(20, 201);
+  const auto n = static_cast<Eigen::Index>(time.size());
+  support::Random random(6);
+  std::vector<double> input;
+  for (std::size_t i = 0; i < time.size(); ++i) input.push_back(i % 10 == 0 ? random.normal() : input.back());
+  const std::vector<double> unit =
+      support::exact_output(FractionalTransferFunction::parse("1/(1.5 s + 1)"), time, input, Hold::zero_order);
+  std::vector<double> output = unit;
+  const std::vector<double> noise = support::first_order_noise(time.size(), r, random);
+  for (std::size_t i = 0; i < output.size(); ++i) output[i] = 2 * output[i] + 0.3 + 0.05 * noise[i];
+  const auto likelihood = [&](double correlation) {
+    Eigen::MatrixXd columns(n, 2), covariance(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      columns.row(i) << unit[static_cast<std::size_t>(i)], 1;
+      for (Eigen::Index j = 0; j < n; ++j)
+        covariance(i, j) = std::pow(correlation, std::abs(static_cast<double>(i - j)));
+    }
+    const Eigen::Map<const Eigen::VectorXd> values(output.data(), n);
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    const Eigen::MatrixXd information = columns.transpose() * factor.solve(columns);
+    const Eigen::VectorXd rest =
+        values - columns * information.ldlt().solve(columns.transpose() * factor.solve(values));
+    const auto count = static_cast<double>(n);
+    return -0.5 * (count - 2) * std::log(rest.dot(factor.solve(rest))) - 0.5 * std::log(information.determinant()) -
+           0.5 * (count - 1) * std::log(1 - correlation * correlation);
+  };
+  double best_z = 0, most = likelihood(0);
+  for (double z = 0.5; z < 1.8; z += 0.01) {
+    if (const double here = likelihood(std::tanh(z)); here > most) std::tie(best_z, most) = std::pair(z, here);
+  }
+
+  const TimeResponseData data(time, input, output);
+  const Structure structure("K/(1.5 s + 1)");
+  TimeFitOptions coloured, told;
+  coloured.noise = frac::RecordNoise::coloured;
+  const FitResult result = frac::fit(data, structure, coloured);
+  // The likelihood peaks with the width 1/sqrt(n) in atanh r, and is looked at in steps of a third of that; the model
+  // is linear, so that one round is all.
+  EXPECT_NEAR(std::atanh(result.noise_correlation), best_z, (1.0 / 6 + 0.07) / std::sqrt(static_cast<double>(n)));
+  EXPECT_NEAR(std::atanh(result.noise_correlation), std::atanh(r), 3 / std::sqrt(static_cast<double>(n)));
+
+  told.noise_correlation = result.noise_correlation;
+  const FitResult same = frac::fit(data, structure, told);
+  EXPECT_EQ(result.cost, same.cost);
+  EXPECT_EQ(estimate(result, "K").ci95_upper, estimate(same, "K").ci95_upper);
+  EXPECT_TRUE(frac::lack_of_fit(data, coloured, result).adequate);
+  EXPECT_EQ(frac::cross_validation(data, structure, coloured, 5), frac::cross_validation(data, structure, told, 5));
+  // 400 refits know a standard deviation to 1/sqrt(800) = 3.5 %, and 200 innovations the size of the noise to 5 %.
+  const auto intervals = frac::bootstrap(data, coloured, result, 400);
+  EXPECT_NEAR(intervals[0].standard_error / estimate(result, "K").standard_error * estimate(result, "K").widening, 1,
+              3 * std::hypot(0.035, 0.05));
+}
+
+// White residuals of n samples show a correlation of a few times 1/sqrt(n), which moves no parameter by more than a
+// share of its error.
+TEST(TimeFit, WhiteNoiseIsNotTakenForColoured) {
+  const std::vector<double> time = even_times(15, 301);
+  support::Random random(8);
+  std::vector<double> input;
+  for (std::size_t i = 0; i < time.size(); ++i) input.push_back(i % 20 == 0 ? random.normal() : input.back());
+  std::vector<double> output =
+      support::exact_output(FractionalTransferFunction::parse("2/(1.5 s^0.7 + 1)"), time, input, Hold::zero_order);
+  for (double& each : output) each += 0.02 * random.normal();
+  const TimeResponseData data(time, input, output);
+  const Structure structure("K/(T s^a + 1)");
+  TimeFitOptions options;
+  const FitResult white = frac::fit(data, structure, options);
+  options.noise = frac::RecordNoise::coloured;
+  const FitResult coloured = frac::fit(data, structure, options);
+  EXPECT_LT(coloured.noise_correlation, 3 / std::sqrt(301.0));
+  for (const char* name : {"K", "T", "a"}) {
+    EXPECT_NEAR(estimate(coloured, name).value, estimate(white, name).value,
+                0.3 * estimate(white, name).standard_error);
+  }
+  EXPECT_EQ(frac::record_noise_from_string("coloured"), frac::RecordNoise::coloured);
+  expect_invalid_argument([] { static_cast<void>(frac::record_noise_from_string("pink")); },
+                          {"pink", "white", "coloured"});
+}
+
 TEST(TimeFit, OrdersOfTheFurnaceComeBackFromAnIntegerStart) {
   TimeFitOptions options;
   options.constraints = {

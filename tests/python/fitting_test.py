@@ -630,7 +630,7 @@ def test_options_without_influence_are_refused():
     for option in ({"component": "imaginary"}, {"weight": "relative"}, {"realisation": {"name": "oustaloup"}}):
         with pytest.raises(ValueError, match=f"{list(option)[0]} = .* has no meaning with samples over time"):
             fracfit.fit(record, "lag", **option)
-    for option in ({"trend": True}, {"offset": 0.0}, {"earlier_input": True}):
+    for option in ({"trend": True}, {"offset": 0.0}, {"earlier_input": True}, {"noise": "coloured"}):
         with pytest.raises(ValueError, match=f"{list(option)[0]} = .* has no meaning with a frequency response"):
             fracfit.fit(EXACT, "lag", **option)
         with pytest.raises(ValueError, match="has no meaning"):

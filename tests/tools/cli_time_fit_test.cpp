@@ -224,8 +224,9 @@ TEST(TimeFit, WhatFitsOverFrequencyOfferIsThereOverTime) {
     }
   }
   // The command in the output makes the same output.
-  EXPECT_NE(json["command"].get<std::string>().find("--loss cauchy --hold zero-order --offset 1 --input-at-rest 0 "
-                                                    "--where 't<5.5' --seed 1"),
+  EXPECT_NE(json["command"].get<std::string>().find(
+                "--loss cauchy --hold zero-order --offset 1 --input-at-rest 0 --noise white "
+                "--where 't<5.5' --seed 1"),
             std::string::npos)
       << json["command"];
   const auto grown = run_fracfit({"fit", file, "--grow", "denominator", "--loss", "huber"});
@@ -290,4 +291,48 @@ TEST(TimeFit, ABandLimitedInputNeedsEvenStepsAndChange) {
     EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
     EXPECT_NE(result.error.find(file), std::string::npos) << result.error;
   }
+}
+
+// The correlation of n samples is known to 1/sqrt(n) in atanh r; three of that.
+TEST(TimeFit, NoiseIsColouredWhereThatIsTold) {
+  const TemporaryFolder folder;
+  support::Random random(3);
+  constexpr double r = 0.8;
+  constexpr int count = 200;
+  std::string text = "time_s,input,output\n";
+  double input = 1, state = 0, noise = random.normal();
+  for (int i = 0; i < count; ++i) {
+    text += std::to_string(0.1 * i) + "," + std::to_string(input) + "," + std::to_string(state + 0.05 * noise) + "\n";
+    // A lag of 1 s under a held input, exactly.
+    state += (2 * input - state) * -std::expm1(-0.1);
+    noise = r * noise + std::sqrt(1 - r * r) * random.normal();
+    if (i % 10 == 9) input = random.normal();
+  }
+  const std::string file = folder.write("record.csv", text);
+  const auto answer = [&](const std::vector<std::string>& arguments) {
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return Json::parse(result.output);
+  };
+  const Json white = answer({"fit", file, "--model", "K/(T s + 1)"});
+  const Json coloured = answer({"fit", file, "--model", "K/(T s + 1)", "--noise", "coloured"});
+  EXPECT_EQ(white["options"]["noise"], "white");
+  EXPECT_EQ(coloured["options"]["noise"], "coloured");
+  EXPECT_NEAR(std::atanh(coloured["noise_correlation"].get<double>()), std::atanh(r), 3 / std::sqrt(count));
+  // What is left of the residuals is white, which it is not before.
+  EXPECT_LT(white["whiteness"]["p_value"].get<double>(), 1e-3);
+  EXPECT_GT(coloured["whiteness"]["p_value"].get<double>(), 1e-3);
+  const std::vector<std::string> ranking{"identify", file, "--models", "lag,fractional-lag", "--format", "json"};
+  const Json of_itself = answer(ranking);
+  EXPECT_EQ(of_itself["options"]["noise"], "coloured");
+  EXPECT_GT(of_itself["noise_correlation"].get<double>(), 0.5);
+  std::vector<std::string> told = ranking;
+  told.insert(told.end(), {"--noise", "white"});
+  const auto held = run_fracfit(told);
+  EXPECT_EQ(Json::parse(held.output)["noise_correlation"], 0) << held.error;
+
+  expect_failure({"fit", file, "--model", "lag", "--noise", "pink"}, 2, "white or coloured");
+  const std::string response =
+      folder.write("response.csv", "omega_rad_s,re,im\n1,1,-1\n2,.5,-.6\n3,.3,-.4\n4,.2,-.3\n");
+  expect_failure({"fit", response, "--model", "lag", "--noise", "coloured"}, 2, "--noise");
 }

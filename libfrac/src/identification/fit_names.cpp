@@ -5,6 +5,7 @@
 #include "base/spelling.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac {
 
@@ -30,6 +31,10 @@ constexpr detail::Spellings<Loss, 3> loss_names = {{
     {Loss::none, "none"},
     {Loss::huber, "huber"},
     {Loss::cauchy, "cauchy"},
+}};
+constexpr detail::Spellings<RecordNoise, 2> noise_names = {{
+    {RecordNoise::white, "white"},
+    {RecordNoise::coloured, "coloured"},
 }};
 constexpr detail::Spellings<FitTermination, 3> termination_names = {{
     {FitTermination::converged, "converged"},
@@ -70,6 +75,9 @@ std::string_view to_string(Weight weight) {
 std::string_view to_string(Loss loss) {
   return detail::spelling(loss_names, loss);
 }
+std::string_view to_string(RecordNoise noise) {
+  return detail::spelling(noise_names, noise);
+}
 std::string_view to_string(FitTermination termination) {
   return detail::spelling(termination_names, termination);
 }
@@ -90,6 +98,9 @@ Weight weight_from_string(std::string_view text) {
 }
 Loss loss_from_string(std::string_view text) {
   return detail::from_spelling(loss_names, "loss", text);
+}
+RecordNoise record_noise_from_string(std::string_view text) {
+  return detail::from_spelling(noise_names, "noise", text);
 }
 FitTermination fit_termination_from_string(std::string_view text) {
   return detail::from_spelling(termination_names, "termination of a fit", text);
@@ -113,6 +124,10 @@ std::span<const Weight> weights() {
 }
 std::span<const Loss> losses() {
   static constexpr auto all = detail::enumerators(loss_names);
+  return all;
+}
+std::span<const RecordNoise> record_noises() {
+  static constexpr auto all = detail::enumerators(noise_names);
   return all;
 }
 std::span<const GrowthFamily> growth_families() {

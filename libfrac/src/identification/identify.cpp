@@ -23,6 +23,7 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/time_noise.hpp"
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/finalists.hpp"
@@ -356,11 +357,6 @@ void require_candidate(std::size_t count) {
   if (count == 0) throw std::invalid_argument("identify needs at least one candidate");
 }
 
-/// Whether two correlations differ by less than half the standard deviation of an estimate from so many values.
-bool same_correlation(double one, double other, double count) {
-  return std::abs(one - other) < 0.5 * std::sqrt((1 - one * one) / count);
-}
-
 /// The correlation of the noise of a record.  The noise is the same for all candidates: it is what the most likely of
 /// them in noise of first order leaves, priced for its parameters, and white where its residuals are.
 /// @param white  options of fits in white noise
@@ -382,24 +378,10 @@ double noise_correlation(const TimeResponseData& data, const TimeFitOptions& whi
     left = std::move(residual);
   }
   if (!best || detail::tests_in_told_noise(data, white, left, best->ranked.fit.free_parameters).adequate) return 0;
-  double r = detail::first_order_likelihood(left).correlation;
-  TimeFitOptions again = white;
+  TimeFitOptions of_best = white;
   const auto& own = best->ranked.model.constraints;
-  again.constraints.insert(again.constraints.end(), own.begin(), own.end());
-  const Structure structure(best->ranked.fit.model);
-  FitResult fit = best->ranked.fit;
-  // Least squares in white noise take a share of slow noise for a response; each round takes less.
-  constexpr int most_rounds = 5;
-  for (int round = 0; round < most_rounds; ++round) {
-    again.noise_correlation = r;
-    fit = detail::refit(data, structure, detail::started_at(again, fit));
-    if (fit.termination == FitTermination::no_usable_start) break;
-    const double next = detail::first_order_likelihood(detail::weighted_residuals(data, white, fit)).correlation;
-    const bool is_settled = same_correlation(next, r, count);
-    r = next;
-    if (is_settled) break;
-  }
-  return r;
+  of_best.constraints.insert(of_best.constraints.end(), own.begin(), own.end());
+  return detail::likely_noise_correlation(data, of_best, best->ranked.fit);
 }
 
 /// Whether a class was told over time although no ratios in s took part.  Other whole orders than those of a list may
@@ -454,14 +436,15 @@ IdentificationResult identify(const TimeResponseData& data, const std::vector<Na
                               const TimeFitOptions& options, int threads) {
   require_candidate(models.size());
   detail::RatioGrowths none;  // over time each family grows by itself
-  TimeFitOptions in_noise = options;
+  TimeFitOptions in_noise = detail::in_noise(options, options.noise_correlation);
+  const bool is_open = options.noise != RecordNoise::white && options.noise_correlation == 0;
   const auto judged = [&](const std::vector<NamedModel>& candidates) {
     FittedCandidates found = fitted_candidates(data, candidates, in_noise, none, threads);
     // Families that grew in white noise have taken slow noise for poles; in each round fewer of them are the best.
     constexpr int most_rounds = 3;
-    for (int round = 1; round < most_rounds && options.noise_correlation == 0; ++round) {
-      const double r = noise_correlation(data, options, found.competitors);
-      if (same_correlation(r, in_noise.noise_correlation, static_cast<double>(detail::points(data)))) break;
+    for (int round = 1; round < most_rounds && is_open; ++round) {
+      const double r = noise_correlation(data, detail::in_noise(options, 0), found.competitors);
+      if (detail::same_correlation(r, in_noise.noise_correlation, static_cast<double>(detail::points(data)))) break;
       in_noise.noise_correlation = r;
       found = fitted_candidates(data, candidates, in_noise, none, threads);
     }

@@ -15,6 +15,7 @@
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/time_noise.hpp"
 #include "special/distributions.hpp"
 
 namespace frac {
@@ -225,7 +226,9 @@ double cross_validation(const FrequencyResponseData& data, const Structure& stru
 
 double cross_validation(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
                         std::size_t folds) {
-  return rms_of_predictions(data, structure, options, folds);
+  if (!detail::noise_is_open(options)) return rms_of_predictions(data, structure, options, folds);
+  const double r = fit(data, structure, options).noise_correlation;
+  return rms_of_predictions(data, structure, detail::in_noise(options, r), folds);
 }
 
 bool names_persist(GrowthFamily family) {
@@ -281,6 +284,15 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
 }
 
 Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {
+  if (detail::noise_is_open(options)) {
+    return detail::made_in_likely_noise(
+        data, options, [&](const TimeFitOptions& told) { return grow(data, family, told, most_terms); },
+        [](Growth& made) -> FitResult& { return made.fits.at(made.chosen); },
+        [](const Growth& made, TimeFitOptions told) {
+          told.constraints = made.models.at(made.chosen).constraints;
+          return told;
+        });
+  }
   if (const auto from_data = family_from_data(family)) return grown_from_data(data, *from_data, options);
   return grown(data, family, options, most_terms);
 }

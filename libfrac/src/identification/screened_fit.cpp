@@ -7,6 +7,7 @@
 
 #include "frac/identification/component_power_law.hpp"
 #include "frac/identification/fit_from.hpp"
+#include "identification/time_noise.hpp"
 
 namespace frac {
 namespace {
@@ -44,7 +45,11 @@ ModelFit fit(const FrequencyResponseData& data, const ModelRequest& request, con
 }
 
 ModelFit fit(const TimeResponseData& data, const ModelRequest& request, const TimeFitOptions& options) {
-  return fit_of_request(data, request, options);
+  if (!detail::noise_is_open(options)) return fit_of_request(data, request, options);
+  return detail::made_in_likely_noise(
+      data, options, [&](const TimeFitOptions& told) { return fit_of_request(data, request, told); },
+      [](ModelFit& made) -> FitResult& { return made.result; },
+      [](const ModelFit& made, const TimeFitOptions& told) { return made.options_from(told); });
 }
 
 ModelFit fit(ScreenedData& points, const ModelRequest& request, const FitOptions& options) {

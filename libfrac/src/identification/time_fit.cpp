@@ -25,6 +25,8 @@
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
+#include "identification/statistics/restricted_likelihood.hpp"
+#include "identification/time_noise.hpp"
 #include "identification/time_scout.hpp"
 #include "special/distributions.hpp"
 
@@ -427,9 +429,53 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   return result;
 }
 
+/// Correlation of noise of first order that is the most likely beside the parameters of a fit.
+double correlation_left_by(const FitResult& fit, const TimeResponseData& data, const Structure& structure,
+                           const TimeFitOptions& white) {
+  const TimeFitOptions known = detail::in_noise(white, 0);
+  const detail::TimeProblem problem(data, structure, detail::started_at(detail::settled(known, fit), fit));
+  const detail::TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-10);
+  const std::vector<double> theta = problem.map.to_theta(problem.map.start());
+  std::vector<double> residual(residuals.count());
+  Eigen::MatrixXd jacobian(residuals.count(), problem.map.free().size());
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return 0;
+  Eigen::MatrixXd columns(jacobian.rows(), jacobian.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
+  columns << jacobian, residuals.eliminated_columns();
+  return detail::likely_correlation(detail::RestrictedLikelihood(residual, detail::PivotedQr(columns).basis(), 1));
+}
+
 }  // namespace
 
+bool detail::same_correlation(double one, double other, double count) {
+  return std::abs(one - other) < 0.5 * std::sqrt((1 - one * one) / count);
+}
+
+// Parameters and correlation in turn, each the most likely beside the other (Cochrane and Orcutt 1949).  Least squares
+// in white noise take a share of slow noise for a response; each round takes less, and the restricted likelihood allows
+// for what they take.
+double detail::likely_noise_correlation(const TimeResponseData& data, const TimeFitOptions& white,
+                                        const FitResult& fit) {
+  const Structure structure(fit.model);
+  constexpr int most_rounds = 5;
+  double r = 0;
+  FitResult last = fit;
+  for (int round = 0; round < most_rounds; ++round) {
+    const double before = r;
+    r = correlation_left_by(last, data, structure, white);
+    if (round > 0 && same_correlation(r, before, static_cast<double>(points(data)))) break;
+    last = refit(data, structure, started_at(in_noise(white, r), last));
+    if (last.termination == FitTermination::no_usable_start) break;
+  }
+  return r;
+}
+
 FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
+  if (detail::noise_is_open(options)) {
+    return detail::made_in_likely_noise(
+        data, options, [&](const TimeFitOptions& told) { return fit(data, structure, told); },
+        [](FitResult& made) -> FitResult& { return made; },
+        [](const FitResult&, const TimeFitOptions& told) { return told; });
+  }
   FitResult result = fit_record(data, structure, options, std::numeric_limits<double>::infinity());
   if (!options.global_start) return result;
   result = detail::no_worse_than_contained(data, structure, options, std::move(result));

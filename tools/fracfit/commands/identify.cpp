@@ -50,6 +50,7 @@ class Identify : public Command {
         .default_is("all presets, rational, rational+delay, commensurate, commensurate+delay, terms and elements");
     add_residual_options(o, request_);
     add_assumptions(o, request_);
+    over_time_.noise = frac::RecordNoise::coloured;
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_outliers(o, request_);
@@ -153,12 +154,14 @@ class Identify : public Command {
 
   int run_over_time() {
     options().settle(samples_over_time);
-    const auto fit = time_fit_options(request_, over_time_, options(), {});
+    auto fit = time_fit_options(request_, over_time_, options(), {});
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
     if (models_text_.empty()) models_ = bounded(frac::default_candidates_over_time());
     const auto result = frac::identify(record.data, models_, fit, threads());
+    fit.noise = frac::RecordNoise::white;  // of the correlation that was found
+    fit.noise_correlation = result.noise_correlation;
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 

@@ -238,7 +238,7 @@ class JointFit : public Command {
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
                                      "--memory", "--seed", "--by", "--loss", "--shift", "--hold", "--offset",
-                                     "--input-at-rest", "--trend", "--earlier-input"});
+                                     "--input-at-rest", "--trend", "--earlier-input", "--noise"});
     run.options.emplace_back("where", where_text(request_));
     if (!fit_.laws.empty()) run.options.emplace_back("laws", joined(fit_.laws));
     if (!parameters_.prior.empty()) run.options.emplace_back("priors", joined(parameters_.prior));

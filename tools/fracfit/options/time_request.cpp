@@ -50,6 +50,7 @@ void add_time_options(Options& options, TimeRequest& request) {
       .flag("--earlier-input", request.earlier_input,
             "Samples over time: the record may start in motion; estimate levels of the input before it")
       .only_for(samples_over_time);
+  options.choice("--noise", request.noise, frac::record_noises()).only_for(samples_over_time);
 }
 
 frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeRequest& over_time, Options& given,
@@ -59,6 +60,7 @@ frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeReque
   options.seed = request.seed;
   options.trend = over_time.trend;
   options.earlier_input = over_time.earlier_input;
+  options.noise = over_time.noise;
   const bool is_held = over_time.offset != "free";
   if (is_held) options.offset = number_of("--offset", over_time.offset);
   std::erase_if(constraints, [&](const frac::ParameterConstraint& constraint) {
@@ -100,8 +102,8 @@ TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_t
 
 FitRun time_fit_run(const FitRequest& request, const TimeRecord& record, const Options& options, std::string command) {
   const auto& data = record.data;
-  auto entries = options.entries(
-      {"--weight", "--loss", "--hold", "--offset", "--input-at-rest", "--trend", "--earlier-input", "--seed"});
+  auto entries = options.entries({"--weight", "--loss", "--hold", "--offset", "--input-at-rest", "--trend",
+                                  "--earlier-input", "--noise", "--seed"});
   entries.emplace_back("where", where_text(request));
   return {std::move(command),
           request.data,

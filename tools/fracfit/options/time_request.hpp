@@ -16,6 +16,7 @@ struct TimeRequest {
   std::string offset = "free";
   double input_at_rest = 0;
   bool trend = false, earlier_input = false;
+  frac::RecordNoise noise = frac::RecordNoise::white;
 };
 void add_time_options(Options& options, TimeRequest& request);
 

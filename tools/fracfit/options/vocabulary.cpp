@@ -58,6 +58,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--friction", "FRICTION", "Whether masses have dry friction"},
       {"--contact", "CONTACT", "Whether contacts are hard (take no time) or have stiffness and damping"},
       {"--weight", "WEIGHT", "What residuals are divided by"},
+      {"--noise", "NOISE", "Of samples over time: white, or coloured (of first order, its correlation estimated)"},
       {"--fix", "NAME=VALUE", "Hold a parameter at a value; repeatable"},
       {"--bound", "NAME=LOW:HIGH", "Limits of a parameter, one side may be left out; repeatable"},
       {"--start", "NAME=VALUE", "Start a parameter at a value; repeatable"},

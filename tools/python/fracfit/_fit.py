@@ -498,6 +498,7 @@ def fit(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    noise: str | None = None,
     fix: Known = None,
     bound: Limits = None,
 ) -> FitResult:
@@ -550,6 +551,8 @@ def fit(
         The response is an immittance of a passive system, whose real part is nowhere negative.
     offset, trend, earlier_input
         Over time: what the output shows at rest (estimated if None), a drift, an unknown input before the record.
+    noise : {"white", "coloured"}, optional
+        Over time: coloured noise is of first order, its correlation from sample to sample estimated (``noise_correlation``); white if None.
 
     Returns
     -------
@@ -598,6 +601,7 @@ def fit(
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
+        "noise": noise,
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
     _refuse_idle(data, options, fit)
@@ -642,7 +646,7 @@ def _one_of(given: Any, by_command_line: Any, name: str, other: str) -> Any:
 
 # Options that mean something for one kind of data alone.
 _OF_RESPONSES = ("component", "weight", "realisation", "noise_floor", "stable", "dead_time", "passive")
-_OF_RECORDS = ("offset", "trend", "earlier_input")
+_OF_RECORDS = ("offset", "trend", "earlier_input", "noise")
 
 
 def _refuse_idle(data: Any, options: Mapping[str, Any], function: Any) -> None:
@@ -877,6 +881,7 @@ def identify(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    noise: str | None = None,
     bounds: Limits = None,
     folds: int | None = None,
     bound: Limits = None,
@@ -924,6 +929,7 @@ def identify(
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
+        "noise": noise,
     }
     _refuse_idle(data, options, identify)
     options |= {"bounds": _ranges(_by_name(_one_of(bounds, bound, "bounds", "bound"), "bounds", "NAME=LOW:HIGH") or {})}

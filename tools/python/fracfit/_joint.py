@@ -175,6 +175,7 @@ def joint_fit(
     offset: float | None = None,
     trend: bool = False,
     earlier_input: bool = False,
+    noise: str | None = None,
     seed: int = 1,
     threads: int = 0,
     fix: Known = None,
@@ -203,7 +204,7 @@ def joint_fit(
     derive : str or sequence of str
         Quantities computed from the parameters of each curve, see ``curves[i]["derived"]``.
     component, weight, ...
-        As of `fit`; offset, trend and earlier_input are of records over time.
+        As of `fit`; offset, trend, earlier_input and noise are of records over time.
 
     Examples
     --------
@@ -240,6 +241,7 @@ def joint_fit(
         "offset": None if offset is None else number(offset, "offset"),
         "trend": bool(trend),
         "earlier_input": bool(earlier_input),
+        "noise": noise,
         "seed": seed_number(seed),
         "shared": common,
         "law": laws,

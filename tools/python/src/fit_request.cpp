@@ -78,6 +78,7 @@ frac::TimeFitOptions time_fit_options(const py::dict& given) {
   take(options.offset, given, "offset");
   take(options.trend, given, "trend");
   take(options.earlier_input, given, "earlier_input");
+  if (const auto text = text_of(given, "noise"); !text.empty()) options.noise = frac::record_noise_from_string(text);
   take(options.loss_scale, given, "loss_scale");
   take(options.seed, given, "seed");
   take(options.global_start, given, "global_start");

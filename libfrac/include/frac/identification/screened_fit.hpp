@@ -3,10 +3,13 @@
 
 #include <functional>
 #include <optional>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/outliers.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac {
 
@@ -36,6 +39,10 @@ struct ModelFit {
   [[nodiscard]] Options options_from(Options asked) const {
     asked.constraints = constraints;
     asked.global_start = global_start;
+    if constexpr (std::is_same_v<Options, TimeFitOptions>) {
+      if (std::exchange(asked.noise, RecordNoise::white) == RecordNoise::coloured)
+        asked.noise_correlation = result.noise_correlation;
+    }
     return asked;
   }
 };

@@ -3,12 +3,20 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
 #include "frac/model/time_response_data.hpp"
 
 namespace frac {
+
+/// Noise of a record: independent from sample to sample, or of first order, see TimeFitOptions::noise_correlation.
+enum class RecordNoise { white, coloured };
+[[nodiscard]] std::string_view to_string(RecordNoise noise);
+[[nodiscard]] RecordNoise record_noise_from_string(std::string_view text);
+[[nodiscard]] std::span<const RecordNoise> record_noises();
 
 struct TimeFitOptions {
   std::vector<ParameterConstraint> constraints;
@@ -26,6 +34,10 @@ struct TimeFitOptions {
   /// white noise.  Residuals are freed of that part and brought back to the size of the noise, so that least squares
   /// are the most likely parameters; cost, criteria and intervals are those of these residuals.
   double noise_correlation = 0;
+  /// Coloured: where `noise_correlation` is 0, the most likely one beside the parameters is taken (restricted
+  /// likelihood), from 0 to .999, and FitResult::noise_correlation tells it.  White: it is as told.  Unset: white for
+  /// fit(), coloured for identify(), which takes one correlation for all candidates.
+  std::optional<RecordNoise> noise = std::nullopt;
   Loss loss = Loss::none;
   std::optional<double> loss_scale;  // as in FitOptions
   std::uint64_t seed = 1;            // of the multi-start; same seed, same result

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "frac/identification/constraints.hpp"
 #include "identification/data/first_order_whitening.hpp"
@@ -49,6 +50,8 @@ TimeFitOptions settled(const TimeFitOptions& options, const FitResult& result) {
   TimeFitOptions known = options;
   for (const ParameterEstimate& each : result.parameters)
     if (each.name == offset_name && each.fixed) known.offset = each.value;
+  if (std::exchange(known.noise, RecordNoise::white) == RecordNoise::coloured)
+    known.noise_correlation = result.noise_correlation;
   return known;
 }
 
@@ -78,7 +81,7 @@ std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeF
   for (const std::size_t i : data.observed()) {
     residual.push_back((model[i] - data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
   }
-  FirstOrderWhitening(data.observed(), options.noise_correlation).apply(residual);
+  FirstOrderWhitening(data.observed(), settled(options, result).noise_correlation).apply(residual);
   return residual;
 }
 

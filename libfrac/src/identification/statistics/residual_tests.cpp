@@ -243,9 +243,10 @@ LackOfFit detail::tests_in_told_noise(const TimeResponseData& data, const TimeFi
 }
 
 LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
-  const std::vector<double> residual = detail::weighted_residuals(data, options, result);
-  if (options.noise_correlation > 0) {
-    return detail::tests_in_told_noise(data, options, residual, result.free_parameters);
+  const TimeFitOptions known = detail::settled(options, result);
+  const std::vector<double> residual = detail::weighted_residuals(data, known, result);
+  if (known.noise_correlation > 0) {
+    return detail::tests_in_told_noise(data, known, residual, result.free_parameters);
   }
   const RecordScale scale = scale_of(data);
   return detail::first_order_tests(residual, scale.time, result.free_parameters, !data.sigma().empty(), scale.rounding);

@@ -127,7 +127,10 @@ class TimeResampling {
  public:
   TimeResampling(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result, double inflation)
       : data_(data), model_(fitted_output(result, data, options)) {
-    std::vector<double> residual = detail::weighted_residuals(data, options, result);
+    // Those of the output itself: the correlation they are redrawn with is told beside them.
+    TimeFitOptions white = options;
+    white.noise_correlation = 0;
+    std::vector<double> residual = detail::weighted_residuals(data, white, result);
     double mean = 0;
     if (options.loss == Loss::none) {
       for (const double each : residual) mean += each / static_cast<double>(residual.size());
@@ -260,8 +263,10 @@ BootstrapRefits::BootstrapRefits(const FrequencyResponseData& data, const FitOpt
   refit_ = refit_of(FrequencyResampling(data, known, result, inflation(result)), known, result);
 }
 
-BootstrapRefits::BootstrapRefits(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result)
-    : refit_(refit_of(TimeResampling(data, options, result, inflation(result)), options, result)) {}
+BootstrapRefits::BootstrapRefits(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
+  const TimeFitOptions known = detail::settled(options, result);
+  refit_ = refit_of(TimeResampling(data, known, result, inflation(result)), known, result);
+}
 
 std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits) {
   check_samples(refits.size());

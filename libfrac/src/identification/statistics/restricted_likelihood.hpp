@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "base/linear_algebra.hpp"
+
+namespace frac::detail {
+
+/// Restricted likelihood of the correlation r of residuals.  The inverse covariance of first-order noise with unit
+/// innovations is 1 - r N + r^2 D, with N the sum of both shifts by a point and D the identity without the first and
+/// last point of each series, so that three small matrices serve every r.
+class RestrictedLikelihood {
+ public:
+  /// @param basis  orthonormal, of the fitted columns
+  RestrictedLikelihood(std::span<const double> residual, const Eigen::MatrixXd& basis, std::size_t per_point)
+      : count_(static_cast<double>(residual.size())), series_(static_cast<double>(per_point)), width_(basis.cols()) {
+    const auto rows = static_cast<Eigen::Index>(residual.size());
+    const auto stride = static_cast<Eigen::Index>(per_point);
+    Eigen::MatrixXd all(rows, width_ + 1);
+    all << basis, Eigen::Map<const Eigen::VectorXd>(residual.data(), rows);
+    const Eigen::Index inner = rows - stride;
+    whole_ = all.transpose() * all;
+    const Eigen::MatrixXd product = all.topRows(inner).transpose() * all.bottomRows(inner);
+    neighbours_ = product + product.transpose();
+    const Eigen::MatrixXd middle = all.middleRows(stride, std::max<Eigen::Index>(rows - 2 * stride, 0));
+    middle_ = middle.transpose() * middle;
+  }
+
+  struct Value {
+    double logarithm;
+    double innovation;  // variance of the white noise that drives the first-order one
+  };
+  [[nodiscard]] double count() const noexcept { return count_; }
+  [[nodiscard]] Value at(double r) const {
+    const Eigen::MatrixXd all = whole_ - r * neighbours_ + r * r * middle_;
+    const Eigen::VectorXd factor = CholeskyFactor(all).diagonal();
+    // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
+    double logarithm = 0.5 * series_ * std::log(1 - r * r);
+    for (Eigen::Index i = 0; i < width_; ++i) logarithm -= std::log(factor(i));
+    const double length = factor(width_);
+    const double degrees = count_ - static_cast<double>(width_);
+    return {logarithm - degrees * std::log(length), length * length / degrees};
+  }
+
+ private:
+  double count_, series_;
+  Eigen::Index width_;
+  Eigen::MatrixXd whole_, neighbours_, middle_;
+};
+
+/// r from 0 to .999 where that is greatest.  Its peak has the width 1/sqrt(count) in Fisher's z = atanh r, and a step
+/// of a third of it misses at most 1/72 of the logarithm.
+[[nodiscard]] inline double likely_correlation(const RestrictedLikelihood& likelihood) {
+  const double last = std::atanh(0.999), step = std::min(0.05, 1 / (3 * std::sqrt(likelihood.count())));
+  double best = 0, highest = likelihood.at(0).logarithm;
+  for (double z = step; z < last; z += step) {
+    const double here = likelihood.at(std::tanh(z)).logarithm;
+    if (!(here > highest)) continue;
+    highest = here;
+    best = std::tanh(z);
+  }
+  return best;
+}
+
+}  // namespace frac::detail
