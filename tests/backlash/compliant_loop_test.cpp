@@ -178,6 +178,48 @@ TEST(CompliantLoop, SticksWhereDryFrictionHoldsIt) {
   EXPECT_LE(1 - turn, range.to);
 }
 
+// Without contact the loop is linear: the answer to a line with corners is the sum of those to ramps from its corners.
+TEST(CompliantLoop, FollowsALineWithCorners) {
+  Machine m;
+  m.clearance = 1000;
+  m.control = Machine::Control{3, 0.4, 2};
+  m.control->follows_drive = true;
+  m.control->set_point.ramp = 1;
+  const auto ramp = history_of(m, {});
+  m.control->set_point = {};
+  m.control->set_point.knots = {{0, 0}, {1, 0.5}, {3, -0.5}, {4, -0.5}};
+  const auto line = history_of(m, {});
+  ASSERT_EQ(line.rows.size(), ramp.rows.size());
+  const std::size_t second = 4;  // rows
+  const auto at = [&](std::size_t row, std::size_t begin) { return row < begin ? 0.0 : ramp.rows[row - begin].x2; };
+  for (std::size_t i = 0; i < line.rows.size(); ++i) {
+    const double sum = 0.5 * at(i, 0) - at(i, second) + 0.5 * at(i, 3 * second);
+    EXPECT_NEAR(line.rows[i].x2, sum, 1e-13 * (1 + std::abs(sum)));
+  }
+}
+
+// While the load flies freely, s^1/2 x1 of x1 = v t is v t^(1/2)/Gamma(3/2), and M2 x2'' = -k s^1/2 x1.
+TEST(CompliantLoop, FollowsFractionalPowersToTheirTolerance) {
+  const Machine m;
+  const double speed = 0.2, gain = 1.5;
+  const backlash::CompliantBodies far(backlash::free_mass(m.mass1), backlash::free_mass(m.mass2), 2,
+                                      CompliantContact(m.stiffness, m.damping));
+  const CompliantLoop loop(far, frac::FractionalTransferFunction({{gain, 0.5}}, {{1, 0}}));
+  LoopSimulationOptions options;
+  options.duration = 2.41;
+  options.sample_time = 0.2;
+  const auto history = simulate_loop(loop, {0, speed, 0, speed}, {}, options);
+  ASSERT_EQ(history.rows.size(), 13U);
+  EXPECT_LT(history.realisation_error, 2e-8);
+  for (const auto& row : history.rows) {
+    const double fall = gain * speed / m.mass2 * std::pow(row.time, 2.5) / std::tgamma(3.5);
+    // Modes are told apart at the loss of up to six digits in each of some flights.
+    EXPECT_NEAR(row.x1, speed * row.time, 1e-8);
+    // The tolerance holds on the band of the motion, whose slowest part lies below it.
+    EXPECT_NEAR(row.x2, speed * row.time - fall, 1e-6 * (fall + 1e-6)) << row.time;
+  }
+}
+
 // Random rests by trial: a grid of the load's positions and of contact forces or places in the gap, each held where the
 // forces on each body are within its friction.
 TEST(CompliantLoop, RestsWithinTheRangeOfItsForces) {

@@ -493,6 +493,38 @@ std::vector<std::string> compliant(const std::string& command, const std::vector
   return with({command, "--force", "40", "--clearance", "0.3", "--omega", "20"}, more);
 }
 
+TEST(CompliantContacts, AreFollowedInLoopsToo) {
+  // Held by both frictions together, 0.7 N over the 7 N/m of the controller.
+  const std::string csv = successful({"loop", "--controller", "7 + 2 s", "--contact-stiffness", "500",
+                                      "--contact-damping", "5", "--friction1", "0.2", "--friction2", "0.5",
+                                      "--setpoint-step", "3", "--duration", "60", "--every", "30", "--format", "csv"});
+  EXPECT_EQ(entry_of(csv, "contact_stiffness_n_m"), "500");
+  EXPECT_EQ(entry_of(csv, "friction2_n"), "0.5");
+  EXPECT_EQ(entry_of(csv, "end"), "duration");
+  const double from = std::stod(entry_of(csv, "rest_from_m")), to = std::stod(entry_of(csv, "rest_to_m"));
+  EXPECT_NEAR(from, 2.9, 1e-12);
+  EXPECT_NEAR(to, 3.1, 1e-12);
+  const auto rows = rows_of(csv);
+  std::size_t contacts = 0;
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), 9U);
+    contacts += row[6] == "contact";
+    EXPECT_EQ(row[7] != "none", std::stod(row[8]) > 0 || row[6] == "contact") << row[0];
+  }
+  EXPECT_EQ(std::to_string(contacts), entry_of(csv, "contacts"));
+  EXPECT_GT(contacts, 2U);
+  // It has come to rest, within that range.
+  EXPECT_EQ(rows.back()[2], "0");
+  EXPECT_EQ(rows.back()[4], "0");
+  EXPECT_GE(std::stod(rows.back()[1]), from);
+  EXPECT_LE(std::stod(rows.back()[1]), to);
+  // A record of it has the columns of a rig.
+  const std::string record =
+      successful({"loop", "--controller", "7 + 2 s", "--contact-stiffness", "500", "--contact-damping", "5",
+                  "--velocity2", "1", "--duration", "1", "--every", "0.5", "--record", "--format", "csv"});
+  EXPECT_NE(record.find("time_s,force_n,x1_m,x2_m"), std::string::npos);
+}
+
 TEST(CompliantContacts, AreGivenByStiffnessOrFrequencyAndToldInTheHeader) {
   // m = 1/2: k = m wc^2, c = 2 zeta m wc.
   const std::string by_stiffness = successful(
@@ -629,6 +661,15 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--orbit-tolerance has no meaning with --contact-stiffness");
   expect(refusal(compliant("history", {"--contact-stiffness", "1,2", "--contact-damping", "1"})),
          "--contact-stiffness");
+  const std::vector<std::string> loop{"loop", "--controller",      "1 + s", "--contact-stiffness",
+                                      "100",  "--contact-damping", "1"};
+  expect(refusal(with(loop, {"--whole-memory"})), "--whole-memory has no meaning with --contact-stiffness");
+  expect(refusal(with(loop, {"--sample-time", "0.01"})), "--sample-time has no meaning with --contact-stiffness");
+  expect(refusal(with(loop, {"--restitution", "0.5"})), "--restitution");
+  expect(refusal({"loop", "--controller", "1 + s"}), "--restitution is missing, or --contact-stiffness");
+  expect(refusal({"loop", "--controller", "exp(-0.1 s) (1 + s)", "--contact-stiffness", "100", "--contact-damping", "1",
+                  "--velocity2", "1"}),
+         "dead time of 0.1 s");
   for (const char* command : {"basins", "orbits"})
     expect(refusal({command, "--contact-stiffness", "1"}), std::string(command) + " does not take --contact-stiffness");
 }

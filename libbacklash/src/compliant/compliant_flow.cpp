@@ -61,13 +61,15 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
   }
 }
 
-CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance)
+CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
+                             double fastest)
     : bodies_(loop.bodies()),
       force_{0, set_point.sine_amplitude != 0 ? set_point.sine_omega : 0},
       output_(loop.measured()),
       set_point_(set_point),
       force_limit_(force_limit),
       pace_(crossover(loop.hard())),
+      fastest_(fastest),
       half_gap_(0.5 * loop.bodies().system().clearance()),
       harmonics_(0) {
   const TwoMassSystem& system = bodies_.system();
@@ -108,7 +110,7 @@ std::optional<PlacedOperator> CompliantFlow::place(const frac::FractionalTransfe
 
 PlacedOperator CompliantFlow::place(const frac::FractionalTransferFunction& operand, double tolerance, double shift) {
   const TwoMassSystem& system = bodies_.system();
-  const double contact = free_contact(bodies_.contact(), system.mass1(), system.mass2()).frequency;
+  const double contact = std::max(fastest_, free_contact(bodies_.contact(), system.mass1(), system.mass2()).frequency);
   // Contacts are signals of their own frequency.
   const frac::FrequencyBand band{0.1 * pace_, 100 * std::max(pace_, 0.1 * contact)};
   PlacedOperator placed{realised(operand, band, tolerance, shift), size_};
@@ -225,6 +227,35 @@ Eigen::VectorXd CompliantFlow::start(const LoopStart& at) const {
   if (step != 0 && std::isinf(force_limit_))
     strike_drive(state, controller_->of.on_velocity * step / bodies_.system().mass2());
   set_point_bends(state, set_point_.ramp);
+  return state;
+}
+
+Eigen::VectorXd CompliantFlow::meeting(const SymmetricCycle& cycle) const {
+  using Complex = std::complex<double>;
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(size_);
+  state[cosine] = state[one] = 1;
+  // Sums over harmonics of what jumps are in the middle of its jump.
+  const std::array<double, 2> jumps = {cycle.impulse / bodies_.system().mass1(),
+                                       -cycle.impulse / bodies_.system().mass2()};
+  std::array<double, 2> speeds{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    speeds[i] = -0.5 * jumps[i];
+    for (const CycleHarmonic& each : cycle.harmonics)
+      speeds[i] += (Complex(0, each.order * cycle.omega) * (i == 0 ? each.x1 : each.x2)).real();
+  }
+  for (const CycleHarmonic& each : cycle.harmonics) state[x1] += each.x1.real();
+  state[v1] = speeds[0];
+  state[rate] = speeds[1] - speeds[0];
+  state[gap] = half_gap_;
+  const auto remember = [&](const PlacedOperator& placed, std::size_t body, double sign) {
+    std::vector<std::pair<double, Complex>> lines;
+    for (const CycleHarmonic& each : cycle.harmonics)
+      lines.emplace_back(each.order * cycle.omega, sign * (body == 0 ? each.x1 : each.x2));
+    placed.remember(state, lines, sign * jumps[body]);
+  };
+  for (std::size_t i = 0; i < 2; ++i)
+    if (memory_[i]) remember(*memory_[i], i, 1);
+  remember(*controller_, output_ == Output::x1 ? 0 : 1, -1);
   return state;
 }
 

@@ -11,6 +11,7 @@
 
 #include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/compliant/compliant_loop.hpp"
+#include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/simulate_loop.hpp"
 #include "loops/motions/linear_flight.hpp"
 #include "loops/motions/placed_operator.hpp"
@@ -48,7 +49,9 @@ class CompliantFlow {
   CompliantFlow(const CompliantBodies& bodies, const SineForce& force, Output output, double tolerance, int harmonics);
   /// Of a loop.
   /// @param tolerance  of fractional powers, relative over the frequencies of motion and contacts
-  CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance);
+  /// @param fastest    rad/s, of contacts whose frequencies are to be among them
+  CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
+                double fastest = 0);
 
   using Row = Eigen::RowVectorXd;
   struct Linear {
@@ -75,6 +78,8 @@ class CompliantFlow {
 
   /// At a peak of the force or where the set-point begins, rested at the start's positions until its velocities come.
   [[nodiscard]] Eigen::VectorXd start(const LoopStart& at) const;
+  /// Of a loop, as bodies meet at +half_gap() in a motion whose impacts take no time.
+  [[nodiscard]] Eigen::VectorXd meeting(const SymmetricCycle& cycle) const;
   /// The slope of the set-point changes.
   void set_point_bends(Eigen::VectorXd& state, double change_of_slope) const;
   /// Of the force wanted in that state.
@@ -119,6 +124,7 @@ class CompliantFlow {
   SetPoint set_point_;
   double force_limit_ = std::numeric_limits<double>::infinity();
   double pace_;
+  double fastest_ = 0;
   double half_gap_;
   double gap_size_ = 0;
   Eigen::Index size_ = first_memory;

@@ -63,7 +63,9 @@ CompliantRun::Event CompliantRun::advance(double until) {
       }
     }
     if (visit_) visit_(regime, mode_, path, length);
+    const double place = state_[CompliantFlow::x1], gap = state_[CompliantFlow::gap];
     state_ = path.state(length);
+    if (flow_->error() > 0) hold_still(place, gap);
     if (transition_.size() > 0) transition_ = regime.flight.transition(length) * transition_;
     time_ = met == Event::none ? end : time_ + length;
     subject_ = subject;
@@ -153,6 +155,21 @@ void CompliantRun::bend_set_point(double change_of_slope) {
   flow_->set_point_bends(state_, change_of_slope);
   mode_.limit = flow_->limit_of(state_);
   settle_slides();
+}
+
+// Flights of realised powers err by more than rounding, also of bodies that rest.
+void CompliantRun::hold_still(double place, double gap) {
+  double &x1 = state_[CompliantFlow::x1], &v1 = state_[CompliantFlow::v1];
+  if (mode_.slide[0] == 0) {
+    state_[CompliantFlow::gap] += x1 - place;
+    state_[CompliantFlow::rate] += v1;
+    x1 = place;
+    v1 = 0;
+  }
+  if (mode_.slide[1] == 0) {
+    state_[CompliantFlow::gap] = gap + (place - x1);
+    state_[CompliantFlow::rate] = -v1;
+  }
 }
 
 void CompliantRun::release(std::size_t body, int sign) {

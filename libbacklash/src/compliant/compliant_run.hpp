@@ -75,6 +75,7 @@ class CompliantRun {
   void settle_slides();
   void stop(std::size_t body);
   void release(std::size_t body, int sign);
+  void hold_still(double place, double gap);
   /// The jump of a disturbance at an event of the surface row * state = const.
   void jump(const CompliantFlow::Row& surface, const CompliantFlow::Regime& before);
 
