@@ -155,16 +155,26 @@ CycleStability stability_of(const Closed& cycle, bool has_cut) {
 
 /// Over its least period, from its hardest meeting.
 std::optional<Closed> reduced(const CompliantFlow& flow, const Closed& cycle) {
-  constexpr double rounding = 1e-7;
+  // Slow memories of fractional powers keep what a closed motion does not tell, so that bodies are compared alone.
+  constexpr double rounding = 1e-7, same = 1e-3;
+  std::vector<Meeting> met{cycle.first};
   CompliantRun run(flow, cycle.first.state, cycle.first.mode);
-  Meeting hardest = cycle.first;
-  int least = cycle.meetings;
-  for (int i = 1; i < cycle.meetings && follow_to_meeting(run); ++i) {
-    const Meeting met = meeting_of(run);
-    if (met.state[CompliantFlow::rate] > hardest.state[CompliantFlow::rate] * (1 + rounding)) hardest = met;
-    if (least == cycle.meetings && cycle.meetings % i == 0 && distance(flow, met, cycle.first) < rounding) least = i;
+  while (static_cast<int>(met.size()) < cycle.meetings && follow_to_meeting(run)) met.push_back(meeting_of(run));
+  const auto speed = [&](const Meeting& of) { return of.state[CompliantFlow::rate]; };
+  const Meeting* hardest = &met.front();
+  for (const Meeting& each : met)
+    if (speed(each) > speed(*hardest) * (1 + rounding)) hardest = &each;
+  for (int n = 1; n < static_cast<int>(met.size()); ++n) {
+    const Meeting& other = met[static_cast<std::size_t>(n)];
+    if (cycle.meetings % n != 0) continue;
+    double apart = 0;
+    for (const Index i : {Index{CompliantFlow::rate}, Index{CompliantFlow::x1}, Index{CompliantFlow::v1}})
+      apart = std::max(apart, std::abs(other.state[i] - met.front().state[i]) / flow.sizes()[i]);
+    if (apart > same) continue;
+    auto shorter = close(flow, *hardest, n);
+    if (shorter && std::abs(speed(shorter->first) / speed(*hardest) - 1) < same) return shorter;
   }
-  return close(flow, hardest, least);
+  return close(flow, *hardest, cycle.meetings);
 }
 
 CompliantCycle read(const CompliantFlow& flow, const Closed& cycle, int harmonics, const CompliantBodies& bodies) {
