@@ -517,8 +517,8 @@ TEST(CompliantContacts, AreFollowedInLoopsToo) {
   // It has come to rest, within that range.
   EXPECT_EQ(rows.back()[2], "0");
   EXPECT_EQ(rows.back()[4], "0");
-  EXPECT_GE(std::stod(rows.back()[1]), from);
-  EXPECT_LE(std::stod(rows.back()[1]), to);
+  EXPECT_GE(std::stod(rows.back()[3]), from);
+  EXPECT_LE(std::stod(rows.back()[3]), to);
   // A record of it has the columns of a rig.
   const std::string record =
       successful({"loop", "--controller", "7 + 2 s", "--contact-stiffness", "500", "--contact-damping", "5",
