@@ -155,6 +155,14 @@ TEST(BodiesIdentification, RefusesWhatItCannotFit) {
       },
       {"load", "1/(M s^2)"});
   expect_invalid_argument([&] { static_cast<void>(identify_bodies({}, viscous)); }, {"curves"});
+  backlash::SceneIdentificationOptions options;
+  options.friction = backlash::FrictionModel::estimate;
+  expect_invalid_argument([&] { static_cast<void>(identify_bodies(curves, viscous, options)); },
+                          {"friction is estimate", "only none"});
+  options.friction = backlash::FrictionModel::none;
+  options.contact = backlash::ContactModel::compliant;
+  expect_invalid_argument([&] { static_cast<void>(identify_bodies(curves, viscous, options)); },
+                          {"contact is compliant", "auto or hard"});
   expect_invalid_argument(
       [&] {
         static_cast<void>(

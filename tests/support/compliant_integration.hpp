@@ -6,7 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "backlash/compliant/compliant_bodies.hpp"
@@ -20,6 +22,13 @@ using Real = long double;
 struct Machine {
   double mass1 = 1, mass2 = 1, viscous1 = 0, viscous2 = 0, spring1 = 0, spring2 = 0, clearance = 0.3;
   double stiffness = 1e4, damping = 20, coulomb1 = 0, coulomb2 = 0, force = 40, omega = 20;
+  /// With a controller kp e + ki int e + kd e' in place of the force, e the set-point less a position.
+  struct Control {
+    double kp = 0, ki = 0, kd = 0, limit = std::numeric_limits<double>::infinity();
+    backlash::SetPoint set_point = {};
+    bool follows_drive = false;
+  };
+  std::optional<Control> control = {};
 
   [[nodiscard]] backlash::CompliantBodies bodies() const {
     const auto body = [](double mass, double viscous, double spring) {
@@ -36,25 +45,33 @@ struct Machine {
   }
 };
 
-/// Its motion in steps: Gragg's method with Bulirsch and Stoer's extrapolation to order 12, in extended precision; the
-/// step that an event falls into is bisected.  Steps turn the fastest oscillation by 0.1 rad, so that one errs by
-/// 1e-19. What an event changes is decided from positions, velocities and forces anew, with no table of modes.
+/// Its motion, under a force or a controller, in steps: Gragg's method with Bulirsch and Stoer's extrapolation to order
+/// 12, in extended precision; the step that an event falls into is bisected.  Steps turn the fastest oscillation by 0.1
+/// rad, so that one errs by 1e-19. What an event changes is decided from positions, velocities and forces anew, with no
+/// table of modes.
 class Integration {
  public:
-  enum : std::size_t { x1, v1, x2, v2, re, im, size };
+  enum : std::size_t { x1, v1, x2, v2, re, im, integral, size };
   using State = std::array<Real, size>;
 
   explicit Integration(const Machine& machine, const backlash::LoopStart& start) : m_(machine) {
-    z_ = {start.x1, start.v1, start.x2, start.v2, 0, 0};
+    z_ = {start.x1, start.v1, start.x2, start.v2, 0, 0, 0};
     if (std::abs(gap()) > Real(m_.clearance) / 2) {
       const int wall = gap() > 0 ? 1 : -1;
       (press(z_, wall) > 0 ? wall_ : left_) = wall;
     }
+    if (m_.control) held_ = limit_of(z_, 0);
     slide_ = {z_[v1] < 0 ? -1 : 1, z_[v2] < 0 ? -1 : 1};
     settle_slides();
     const Real reduced = Real(m_.mass1) * m_.mass2 / (Real(m_.mass1) + m_.mass2);
     const Real contact = std::sqrt(m_.stiffness / reduced) * (1 + m_.damping / std::sqrt(m_.stiffness * reduced));
     step_ = Real(0.2) / std::max<Real>(contact, m_.omega);
+    if (m_.control) {
+      // Rates of the loop are at most the sum of these.
+      const Real drive = m_.mass2;
+      step_ = Real(0.2) / (contact + std::sqrt(m_.control->kp / drive) + m_.control->kd / drive +
+                           std::cbrt(m_.control->ki / drive));
+    }
   }
 
   void advance(Real until) {
@@ -97,17 +114,37 @@ class Integration {
   [[nodiscard]] Real press(const State& z, int wall) const {
     return m_.stiffness * (wall * (z[x2] - z[x1]) - Real(m_.clearance) / 2) + m_.damping * (wall * (z[v2] - z[v1]));
   }
+  [[nodiscard]] Real error(const State& z, Real t) const {
+    const backlash::SetPoint& wanted = m_.control->set_point;
+    return wanted.step + wanted.ramp * t + wanted.sine_amplitude * std::sin(Real(wanted.sine_omega) * t) -
+           z[m_.control->follows_drive ? x2 : x1];
+  }
+  [[nodiscard]] Real wanted(const State& z, Real t) const {
+    const backlash::SetPoint& set = m_.control->set_point;
+    const Real rate = set.ramp + set.sine_amplitude * set.sine_omega * std::cos(Real(set.sine_omega) * t) -
+                      z[m_.control->follows_drive ? v2 : v1];
+    return m_.control->kp * error(z, t) + m_.control->ki * z[integral] + m_.control->kd * rate;
+  }
+  [[nodiscard]] int limit_of(const State& z, Real t) const {
+    const Real asked = wanted(z, t);
+    return asked > m_.control->limit ? 1 : asked < -m_.control->limit ? -1 : 0;
+  }
+  // Of the piece of the motion, at whose ends a limit begins or is left.
+  [[nodiscard]] Real drive(const State& z, Real t) const {
+    if (!m_.control) return m_.force * std::cos(m_.omega * t);
+    return held_ == 0 ? wanted(z, t) : held_ * Real(m_.control->limit);
+  }
   [[nodiscard]] std::array<Real, 2> others(const State& z, Real t) const {
     const Real push = wall_ == 0 ? 0 : wall_ * press(z, wall_);
     return {push - m_.viscous1 * z[v1] - m_.spring1 * z[x1],
-            m_.force * std::cos(m_.omega * t) - push - m_.viscous2 * z[v2] - m_.spring2 * z[x2]};
+            drive(z, t) - push - m_.viscous2 * z[v2] - m_.spring2 * z[x2]};
   }
   [[nodiscard]] State field(const State& z, Real t) const {
     const auto force = others(z, t);
     const Real a1 = slide_[0] == 0 ? 0 : (force[0] - slide_[0] * m_.coulomb1) / m_.mass1;
     const Real a2 = slide_[1] == 0 ? 0 : (force[1] - slide_[1] * m_.coulomb2) / m_.mass2;
     const Real angle = m_.omega * t;
-    return {z[v1], a1, z[v2], a2, z[v1] * std::cos(angle), -z[v1] * std::sin(angle)};
+    return {z[v1], a1, z[v2], a2, z[v1] * std::cos(angle), -z[v1] * std::sin(angle), m_.control ? error(z, t) : 0};
   }
   [[nodiscard]] State step(Real length) const {
     constexpr std::size_t columns = 6;
@@ -152,6 +189,7 @@ class Integration {
     } else if (std::abs(y) > Real(m_.clearance) / 2) {
       return true;
     }
+    if (m_.control && limit_of(z, t) != held_) return true;
     const auto force = others(z, t);
     for (std::size_t i = 0; i < 2; ++i) {
       if (friction(i) == 0) continue;
@@ -179,6 +217,7 @@ class Integration {
     settle_slides();
   }
   void settle_slides() {
+    if (m_.control) held_ = limit_of(z_, time_);
     const auto force = others(z_, time_);
     for (std::size_t i = 0; i < 2; ++i) {
       if (friction(i) == 0) continue;
@@ -195,7 +234,7 @@ class Integration {
   Machine m_;
   State z_{};
   Real time_ = 0, step_ = 0;
-  int wall_ = 0, left_ = 0;
+  int wall_ = 0, left_ = 0, held_ = 0;
   std::array<int, 2> slide_{1, 1};
 };
 

@@ -493,6 +493,72 @@ std::vector<std::string> compliant(const std::string& command, const std::vector
   return with({command, "--force", "40", "--clearance", "0.3", "--omega", "20"}, more);
 }
 
+TEST(CompliantContacts, AreFollowedInLoopsToo) {
+  // Held by both frictions together, 0.7 N over the 7 N/m of the controller.
+  const std::string csv = successful(
+      {"loop", "--controller", "7 + 2 s", "--body",      "x2",  "--contact-stiffness", "500", "--contact-damping",
+       "5",    "--friction1",  "0.2",     "--friction2", "0.5", "--setpoint-step",     "3",   "--duration",
+       "60",   "--every",      "30",      "--format",    "csv"});
+  EXPECT_EQ(entry_of(csv, "contact_stiffness_n_m"), "500");
+  EXPECT_EQ(entry_of(csv, "friction2_n"), "0.5");
+  EXPECT_EQ(entry_of(csv, "end"), "duration");
+  const double from = std::stod(entry_of(csv, "rest_from_m")), to = std::stod(entry_of(csv, "rest_to_m"));
+  EXPECT_NEAR(from, 2.9, 1e-12);
+  EXPECT_NEAR(to, 3.1, 1e-12);
+  const auto rows = rows_of(csv);
+  std::size_t contacts = 0;
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), 9U);
+    contacts += row[6] == "contact";
+    EXPECT_EQ(row[7] != "none", std::stod(row[8]) > 0 || row[6] == "contact") << row[0];
+  }
+  EXPECT_EQ(std::to_string(contacts), entry_of(csv, "contacts"));
+  EXPECT_GT(contacts, 2U);
+  // It has come to rest, within that range.
+  EXPECT_EQ(rows.back()[2], "0");
+  EXPECT_EQ(rows.back()[4], "0");
+  EXPECT_GE(std::stod(rows.back()[3]), from);
+  EXPECT_LE(std::stod(rows.back()[3]), to);
+  // A record of it has the columns of a rig.
+  const std::string record =
+      successful({"loop", "--controller", "7 + 2 s", "--contact-stiffness", "500", "--contact-damping", "5",
+                  "--velocity2", "1", "--duration", "1", "--every", "0.5", "--record", "--format", "csv"});
+  EXPECT_NE(record.find("time_s,force_n,x1_m,x2_m"), std::string::npos);
+}
+
+TEST(CompliantContacts, HaveLimitCycles) {
+  const std::vector<std::string> command{"limit-cycles",
+                                         "--controller",
+                                         "1 + 0.3 s",
+                                         "--contact-frequency",
+                                         "200",
+                                         "--contact-restitution",
+                                         "0.6",
+                                         "--friction1",
+                                         "0.01",
+                                         "--starts",
+                                         "0"};
+  const Json json = successful_json(with(command, {"--format", "json"}));
+  EXPECT_EQ(json["scene"]["friction1_n"], 0.01);
+  EXPECT_NEAR(json["rests"]["to"].get<double>(), 0.01, 1e-12);
+  ASSERT_EQ(json["cycles"].size(), 1U);
+  const Json& cycle = json["cycles"][0];
+  // That of the restitution has 0.9425 rad/s; contacts and friction of some thousandths of its force move it little.
+  EXPECT_NEAR(cycle["omega"].get<double>(), 0.9425, 0.02);
+  EXPECT_EQ(cycle["impacts_per_period"], 2);
+  EXPECT_EQ(cycle["symmetric"], true);
+  for (const char* key : {"stable", "multiplier_modulus", "impulse", "impact_speed", "amplitude_x1", "amplitude_x2",
+                          "amplitude_force", "harmonics", "describing_function", "sticks_per_period", "start", "error"})
+    EXPECT_TRUE(cycle.contains(key)) << key;
+  // The motion from its start is that of the force and stays the cycle: x2 - x1 is half of the clearance.
+  EXPECT_NEAR(cycle["start"]["x2"].get<double>() - cycle["start"]["x1"].get<double>(), 0.5, 1e-12);
+  const std::string csv = successful(with(command, {"--format", "csv"}));
+  EXPECT_EQ(rows_of(csv).size(), 1U);
+  EXPECT_EQ(rows_of(csv)[0].size(), 13U);
+  EXPECT_NE(successful(with(command, {"--format", "table"})).find("Dry friction can hold x1 from -0.01 to 0.01 m"),
+            std::string::npos);
+}
+
 TEST(CompliantContacts, AreGivenByStiffnessOrFrequencyAndToldInTheHeader) {
   // m = 1/2: k = m wc^2, c = 2 zeta m wc.
   const std::string by_stiffness = successful(
@@ -629,6 +695,18 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--orbit-tolerance has no meaning with --contact-stiffness");
   expect(refusal(compliant("history", {"--contact-stiffness", "1,2", "--contact-damping", "1"})),
          "--contact-stiffness");
+  const std::vector<std::string> loop{"loop", "--controller",      "1 + s", "--contact-stiffness",
+                                      "100",  "--contact-damping", "1"};
+  expect(refusal(with(loop, {"--whole-memory"})), "--whole-memory has no meaning with --contact-stiffness");
+  expect(refusal(with(loop, {"--sample-time", "0.01"})), "--sample-time has no meaning with --contact-stiffness");
+  expect(refusal(with(loop, {"--restitution", "0.5"})), "--restitution");
+  expect(refusal({"loop", "--controller", "1 + s"}), "--restitution is missing, or --contact-stiffness");
+  expect(refusal({"loop", "--controller", "exp(-0.1 s) (1 + s)", "--contact-stiffness", "100", "--contact-damping", "1",
+                  "--velocity2", "1"}),
+         "dead time of 0.1 s");
+  expect(refusal({"limit-cycles", "--controller", "1 + s", "--contact-stiffness", "100", "--contact-damping", "1",
+                  "--over", "mass1=1:2:2"}),
+         "--over has no meaning with --contact-stiffness");
   for (const char* command : {"basins", "orbits"})
     expect(refusal({command, "--contact-stiffness", "1"}), std::string(command) + " does not take --contact-stiffness");
 }

@@ -24,15 +24,15 @@ bool ignores_place(const std::optional<PlacedOperator>& memory) {
 
 }  // namespace
 
-void require_followed(const CompliantBodies& bodies, double omega) {
+void require_followed(const CompliantBodies& bodies, double omega, const char* meaning) {
   constexpr double fastest = 1e6, shortest = 1e9;
   const FreeContact free = free_contact(bodies.contact(), bodies.system().mass1(), bodies.system().mass2());
   const double ratio = free.frequency / omega;
   if (ratio <= fastest && 2 * free.damping_ratio * ratio <= shortest) return;
   throw std::invalid_argument(
       "contact_stiffness is " + text(bodies.contact().stiffness()) + " N/m and contact_damping " +
-      text(bodies.contact().damping()) + " N s/m; sqrt(k/m) must be at most 1e6 times omega = " + text(omega) +
-      " rad/s, and c/m 1e9 times: such contacts take no time, and a restitution describes them");
+      text(bodies.contact().damping()) + " N s/m; sqrt(k/m) must be at most 1e6 times " + meaning + " = " +
+      text(omega) + " rad/s, and c/m 1e9 times: such contacts take no time, and a restitution describes them");
 }
 
 CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& force, Output output, double tolerance,
@@ -40,26 +40,18 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
     : bodies_(bodies),
       force_(force),
       output_(output),
+      pace_(force.omega),
       half_gap_(0.5 * bodies.system().clearance()),
       harmonics_(std::max(harmonics, 1)) {
   const TwoMassSystem& system = bodies.system();
   memory_[0] = place(bodies.hard().load(), system.mass1(), tolerance, 1.0 / 3);
   memory_[1] = place(bodies.hard().drive(), system.mass2(), tolerance, 2.0 / 3);
   phasors_ = std::exchange(size_, size_ + 2 * harmonics_);
-  const double length = system.clearance();
-  sizes_ = Eigen::VectorXd::Ones(size_);
-  // Of the gap also the overlap under the force; of body 1 what it moves with the centre of mass: at low frequency much
-  // more than the gap.
-  const double swing =
-      std::max(length, force_.amplitude / ((system.mass1() + system.mass2()) * force_.omega * force_.omega));
-  gap_size_ = std::max(length, force_.amplitude / bodies.contact().stiffness());
-  sizes_[gap] = gap_size_;
-  sizes_[x1] = swing;
-  sizes_[rate] = gap_size_ * force_.omega;
-  sizes_[v1] = swing * force_.omega;
+  // Of body 1 what it moves with the centre of mass: at low frequency much more than the gap.
+  const double swing = std::max(system.clearance(),
+                                force_.amplitude / ((system.mass1() + system.mass2()) * force_.omega * force_.omega));
+  choose_sizes(swing, force_.amplitude);
   sizes_.segment(phasors_, 2 * harmonics_).setConstant(swing);
-  for (const auto& memory : memory_)
-    if (memory) memory->scale(sizes_, length, force_.omega);
   const bool is_anywhere = ignores_place(memory_[0]) && ignores_place(memory_[1]);
   for (Index i = 0; i < phasors_; ++i) {
     if (i >= cosine && i <= one) continue;
@@ -69,15 +61,59 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
   }
 }
 
+CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
+                             double fastest)
+    : bodies_(loop.bodies()),
+      force_{0, set_point.sine_amplitude != 0 ? set_point.sine_omega : 0},
+      output_(loop.measured()),
+      set_point_(set_point),
+      force_limit_(force_limit),
+      pace_(crossover(loop.hard())),
+      fastest_(fastest),
+      half_gap_(0.5 * loop.bodies().system().clearance()),
+      harmonics_(0) {
+  const TwoMassSystem& system = bodies_.system();
+  require_followed(bodies_, pace_, "the crossover of the rigid loop");
+  memory_[0] = place(bodies_.hard().load(), system.mass1(), tolerance, 1.0 / 3);
+  memory_[1] = place(bodies_.hard().drive(), system.mass2(), tolerance, 2.0 / 3);
+  controller_ = place(loop.controller(), tolerance, 0);
+  if (set_point_.step != 0 || set_point_.ramp != 0 || !set_point_.knots.empty())
+    reference_ = std::exchange(size_, size_ + 2);
+  double swing = std::max({system.clearance(), std::abs(set_point_.step), std::abs(set_point_.sine_amplitude)});
+  for (const SetPointKnot& knot : set_point_.knots) swing = std::max(swing, std::abs(knot.value));
+  choose_sizes(swing, (system.mass1() + system.mass2()) * swing * pace_ * pace_);
+  controller_->scale(sizes_, swing, pace_);
+  if (reference_ >= 0) sizes_.segment(reference_, 2) << swing, swing * pace_;
+  for (Index i = 0; i < size_; ++i)
+    if (i < cosine || i > one) repeating_.push_back(i);
+}
+
+// Of the gap also the overlap under the force.
+void CompliantFlow::choose_sizes(double swing, double force) {
+  const double length = bodies_.system().clearance();
+  gap_size_ = std::max(length, force / bodies_.contact().stiffness());
+  sizes_ = Eigen::VectorXd::Ones(size_);
+  sizes_[gap] = gap_size_;
+  sizes_[x1] = swing;
+  sizes_[rate] = gap_size_ * pace_;
+  sizes_[v1] = swing * pace_;
+  for (const auto& memory : memory_)
+    if (memory) memory->scale(sizes_, length, pace_);
+}
+
 std::optional<PlacedOperator> CompliantFlow::place(const frac::FractionalTransferFunction& receptance, double mass,
                                                    double tolerance, double shift) {
   const auto resisted = resistance(receptance, mass);
   if (!resisted) return std::nullopt;
+  return place(*resisted, tolerance, shift);
+}
+
+PlacedOperator CompliantFlow::place(const frac::FractionalTransferFunction& operand, double tolerance, double shift) {
   const TwoMassSystem& system = bodies_.system();
-  const double contact = free_contact(bodies_.contact(), system.mass1(), system.mass2()).frequency;
+  const double contact = std::max(fastest_, free_contact(bodies_.contact(), system.mass1(), system.mass2()).frequency);
   // Contacts are signals of their own frequency.
-  const frac::FrequencyBand band{0.1 * force_.omega, 100 * std::max(force_.omega, 0.1 * contact)};
-  PlacedOperator placed{realised(*resisted, band, tolerance, shift), size_};
+  const frac::FrequencyBand band{0.1 * pace_, 100 * std::max(pace_, 0.1 * contact)};
+  PlacedOperator placed{realised(operand, band, tolerance, shift), size_};
   size_ += placed.size();
   error_ = std::max(error_, placed.of.error);
   return placed;
@@ -90,13 +126,15 @@ CompliantFlow::Row CompliantFlow::unit(Index i) const {
 }
 
 const CompliantFlow::Regime& CompliantFlow::regime(const CompliantMode& mode) const {
-  const int index = (mode.contact + 1) * 9 + (mode.slide[0] + 1) * 3 + mode.slide[1] + 1;
+  const int index = (((mode.limit + 1) * 3 + mode.contact + 1) * 3 + mode.slide[0] + 1) * 3 + mode.slide[1] + 1;
   std::unique_ptr<Regime>& slot = regimes_[static_cast<std::size_t>(index)];
-  if (!slot) slot = make(mode.contact, mode.slide);
+  if (!slot) slot = make(mode);
   return *slot;
 }
 
-std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const std::array<int, 2>& slide) const {
+std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(const CompliantMode& mode) const {
+  const int contact = mode.contact;
+  const std::array<int, 2>& slide = mode.slide;
   const Row none = Row::Zero(size_);
   const double k = bodies_.contact().stiffness(), c = bodies_.contact().damping();
   const std::array<double, 2> mass = {bodies_.system().mass1(), bodies_.system().mass2()};
@@ -105,12 +143,28 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const st
   std::array<Row, 2> press;
   for (const int wall : {-1, 1})
     press[wall > 0 ? 1 : 0] = wall * k * unit(gap) - k * half_gap_ * unit(one) + wall * c * unit(rate);
+  // Of the loop, and its rates.
+  Row error = none, error_rate = none, error_acceleration = none;
+  Row wanted = force_.amplitude * unit(cosine);
+  const std::size_t followed = output_ == Output::x1 ? 0 : 1;
+  if (controller_) {
+    const double sine_rate = set_point_.sine_amplitude * force_.omega;
+    error = set_point_.sine_amplitude * unit(sine) - position[followed];
+    error_rate = sine_rate * unit(cosine) - velocity[followed];
+    error_acceleration = -sine_rate * force_.omega * unit(sine);
+    if (reference_ >= 0) {
+      error += unit(reference_);
+      error_rate += unit(reference_ + 1);
+    }
+    wanted = controller_->output(error, error_rate);
+  }
+  const Row drive = mode.limit == 0 ? wanted : Row(mode.limit * force_limit_ * unit(one));
   // Of the contact on body 1.
   const Row push = contact == 0 ? none : Row(contact * press[contact > 0 ? 1 : 0]);
   std::array<Row, 2> resisted = {none, none}, others, acceleration;
   for (std::size_t i = 0; i < 2; ++i) {
     if (memory_[i]) resisted[i] = memory_[i]->output(position[i], velocity[i]);
-    others[i] = (i == 0 ? push : Row(force_.amplitude * unit(cosine) - push)) - resisted[i];
+    others[i] = (i == 0 ? push : Row(drive - push)) - resisted[i];
     const double friction = this->friction(static_cast<int>(i));
     acceleration[i] = slide[i] == 0 ? none : Row((others[i] - slide[i] * friction * unit(one)) / mass[i]);
   }
@@ -124,7 +178,9 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const st
   a.row(sine) = force_.omega * unit(cosine);
   for (std::size_t i = 0; i < 2; ++i)
     if (memory_[i]) memory_[i]->fill(a, position[i], velocity[i], acceleration[i]);
-  const Row& read = velocity[output_ == Output::x1 ? 0 : 1];
+  if (controller_) controller_->fill(a, error, error_rate, error_acceleration - acceleration[followed]);
+  if (reference_ >= 0) a.row(reference_) = unit(reference_ + 1);
+  const Row& read = velocity[followed];
   for (int k1 = 1; k1 <= harmonics_; ++k1) {
     const Index at = phasors_ + 2 * (k1 - 1);
     a.row(at) = read - k1 * force_.omega * unit(at + 1);
@@ -135,19 +191,19 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(int contact, const st
   // telling them apart would lose a digit or two, unless long contacts would take too many short steps.
   constexpr double most_skew = 16, slow_contact = 300;
   Eigen::VectorXd sizes = sizes_;
-  double pace = force_.omega;
+  double pace = pace_;
   if (contact != 0) {
     const double fast = std::max(pace, free_contact(bodies_.contact(), mass[0], mass[1]).frequency);
     sizes[rate] = gap_size_ * fast;
     sizes[v1] = std::max(sizes[v1], sizes[rate]);
     pace = std::min(fast, slow_contact * pace);
   }
-  LinearFlight flight(a, pace, sizes, most_skew);
+  LinearFlight flight(a, pace, sizes, controller_ && error_ > 0 ? LinearFlight::realised_skew : most_skew);
   const auto linear = [&](const Row& row) { return Linear{row, flight.form(row)}; };
   const auto body = [&](std::size_t i) {
     return Body{linear(velocity[i]), linear(acceleration[i]), linear(others[i]), resisted[i]};
   };
-  Regime result{a, flight, linear(unit(gap)), {linear(press[0]), linear(press[1])}, {body(0), body(1)}};
+  Regime result{a, flight, linear(unit(gap)), {linear(press[0]), linear(press[1])}, {body(0), body(1)}, linear(wanted)};
   return std::make_unique<Regime>(std::move(result));
 }
 
@@ -160,7 +216,64 @@ Eigen::VectorXd CompliantFlow::start(const LoopStart& at) const {
   state[cosine] = state[one] = 1;
   if (memory_[0]) memory_[0]->kick(state, 2, at.v1);
   if (memory_[1]) memory_[1]->kick(state, 2, at.v2);
+  if (!controller_) return state;
+  const double slope = set_point_.sine_amplitude * force_.omega;
+  controller_->kick(state, 2, slope - (output_ == Output::x1 ? at.v1 : at.v2));
+  if (reference_ < 0) return state;
+  const double step = set_point_.step + (set_point_.knots.empty() ? 0 : set_point_.knots.front().value);
+  state[reference_] = step;
+  controller_->kick(state, 1, step);
+  // A derivative that meets a step kicks body 2; an actuator of limited force has no time for that.
+  if (step != 0 && std::isinf(force_limit_))
+    strike_drive(state, controller_->of.on_velocity * step / bodies_.system().mass2());
+  set_point_bends(state, set_point_.ramp);
   return state;
+}
+
+Eigen::VectorXd CompliantFlow::meeting(const SymmetricCycle& cycle) const {
+  using Complex = std::complex<double>;
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(size_);
+  state[cosine] = state[one] = 1;
+  // Sums over harmonics of what jumps are in the middle of its jump.
+  const std::array<double, 2> jumps = {cycle.impulse / bodies_.system().mass1(),
+                                       -cycle.impulse / bodies_.system().mass2()};
+  std::array<double, 2> speeds{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    speeds[i] = -0.5 * jumps[i];
+    for (const CycleHarmonic& each : cycle.harmonics)
+      speeds[i] += (Complex(0, each.order * cycle.omega) * (i == 0 ? each.x1 : each.x2)).real();
+  }
+  for (const CycleHarmonic& each : cycle.harmonics) state[x1] += each.x1.real();
+  state[v1] = speeds[0];
+  state[rate] = speeds[1] - speeds[0];
+  state[gap] = half_gap_;
+  const auto remember = [&](const PlacedOperator& placed, std::size_t body, double sign) {
+    std::vector<std::pair<double, Complex>> lines;
+    for (const CycleHarmonic& each : cycle.harmonics)
+      lines.emplace_back(each.order * cycle.omega, sign * (body == 0 ? each.x1 : each.x2));
+    placed.remember(state, lines, sign * jumps[body]);
+  };
+  for (std::size_t i = 0; i < 2; ++i)
+    if (memory_[i]) remember(*memory_[i], i, 1);
+  remember(*controller_, output_ == Output::x1 ? 0 : 1, -1);
+  return state;
+}
+
+void CompliantFlow::strike_drive(Eigen::VectorXd& state, double velocity) const {
+  state[rate] += velocity;
+  if (memory_[1]) memory_[1]->kick(state, 2, velocity);
+  if (output_ == Output::x2) controller_->kick(state, 2, -velocity);
+}
+
+void CompliantFlow::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
+  state[reference_ + 1] += change_of_slope;
+  controller_->kick(state, 2, change_of_slope);
+}
+
+int CompliantFlow::limit_of(const Eigen::VectorXd& state) const {
+  if (std::isinf(force_limit_)) return 0;
+  const double wanted = regime({}).wanted.row.dot(state);
+  return wanted > force_limit_ ? 1 : wanted < -force_limit_ ? -1 : 0;
 }
 
 LoopStart CompliantFlow::positions(const Eigen::VectorXd& state) {
@@ -169,6 +282,7 @@ LoopStart CompliantFlow::positions(const Eigen::VectorXd& state) {
 
 CompliantMode CompliantFlow::mode_of(const Eigen::VectorXd& state) const {
   CompliantMode mode;
+  mode.limit = limit_of(state);
   const int wall = state[gap] > 0 ? 1 : -1;
   if (std::abs(state[gap]) > half_gap_) {
     const bool presses = press(regime(mode), wall).row.dot(state) > 0;

@@ -9,7 +9,7 @@
 
 #include "base/check.hpp"
 #include "base/spelling.hpp"
-#include "compliant_run.hpp"
+#include "compliant_rows.hpp"
 
 namespace backlash {
 namespace {
@@ -27,8 +27,23 @@ constexpr std::array<std::pair<CompliantEvent, std::string_view>, 10> event_spel
     {CompliantEvent::reversal2, "reversal-2"},
 }};
 
-std::optional<CompliantEvent> shown(detail::CompliantRun::Event event, int subject) {
-  using Event = detail::CompliantRun::Event;
+void require_count(const char* quantity, int value, int lowest) {
+  if (value < lowest)
+    throw std::invalid_argument(std::string(quantity) + " is " + std::to_string(value) + "; it must be at least " +
+                                std::to_string(lowest));
+}
+
+void require_finite(const char* quantity, double value) {
+  if (!std::isfinite(value))
+    throw std::invalid_argument(std::string(quantity) + " is " + detail::text(value) + "; it must be finite");
+}
+
+}  // namespace
+
+namespace detail {
+
+std::optional<CompliantEvent> shown(CompliantRun::Event event, int subject) {
+  using Event = CompliantRun::Event;
   const bool is_first = subject == 0;
   switch (event) {
     case Event::none:
@@ -46,13 +61,14 @@ std::optional<CompliantEvent> shown(detail::CompliantRun::Event event, int subje
     case Event::reversal:
       return is_first ? CompliantEvent::reversal1 : CompliantEvent::reversal2;
     case Event::turn_of_force:
+    case Event::limit:
       break;
   }
   return std::nullopt;
 }
 
-CompliantRow row_of(const detail::CompliantRun& run, double time, CompliantEvent event) {
-  const LoopStart at = detail::CompliantFlow::positions(run.state());
+CompliantRow row_of(const CompliantRun& run, double time, CompliantEvent event) {
+  const LoopStart at = CompliantFlow::positions(run.state());
   const int wall = run.mode().contact;
   CompliantRow row{time, at.x1, at.v1, at.x2, at.v2, 0, event, std::nullopt};
   if (wall == 0) return row;
@@ -62,18 +78,7 @@ CompliantRow row_of(const detail::CompliantRun& run, double time, CompliantEvent
   return row;
 }
 
-void require_count(const char* quantity, int value, int lowest) {
-  if (value < lowest)
-    throw std::invalid_argument(std::string(quantity) + " is " + std::to_string(value) + "; it must be at least " +
-                                std::to_string(lowest));
-}
-
-void require_finite(const char* quantity, double value) {
-  if (!std::isfinite(value))
-    throw std::invalid_argument(std::string(quantity) + " is " + detail::text(value) + "; it must be finite");
-}
-
-}  // namespace
+}  // namespace detail
 
 std::string_view to_string(CompliantEvent event) {
   return frac::detail::spelling(event_spellings, event);
@@ -106,7 +111,7 @@ CompliantHistory compliant_history(const CompliantBodies& bodies, double force_a
   for (int i = 0; i < skip; ++i)
     if (!run.follow(1)) return ended_early();
   const double period = 2 * std::numbers::pi / omega;
-  history.rows.push_back(row_of(run, 0, CompliantEvent::sample));
+  history.rows.push_back(detail::row_of(run, 0, CompliantEvent::sample));
   for (int i = 0; i < periods; ++i) {
     int events = 0;
     for (int k = 1; k <= samples; ++k) {
@@ -114,8 +119,8 @@ CompliantHistory compliant_history(const CompliantBodies& bodies, double force_a
       for (;;) {
         const auto event = run.advance(until);
         if (run.has_escaped() || ++events > detail::CompliantRun::most_events) return ended_early();
-        if (const auto word = shown(event, run.subject()))
-          history.rows.push_back(row_of(run, i * period + run.time(), *word));
+        if (const auto word = detail::shown(event, run.subject()))
+          history.rows.push_back(detail::row_of(run, i * period + run.time(), *word));
         if (event == detail::CompliantRun::Event::none) break;
       }
     }

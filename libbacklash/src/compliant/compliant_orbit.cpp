@@ -9,6 +9,7 @@
 
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
+#include "gauss.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -30,21 +31,10 @@ Eigen::VectorXd part(const Eigen::VectorXd& of, const std::vector<Index>& indice
   return result;
 }
 
-// Nodes and weights of Gauss on [0, 1], 12 of them: pieces of flights are polynomials of degree 18 and exponentials
-// that turn by less than some radians, whose squares it integrates to rounding.
-struct GaussRule {
-  std::array<double, 6> node{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
-                             0.7699026741943047, 0.9041172563704749, 0.9815606342467193};
-  std::array<double, 6> weight{0.2491470458134028, 0.2334925365383548, 0.2031674267230659,
-                               0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
-};
-
 template <class Integrand>
 double integral(double length, const Integrand& integrand) {
-  static constexpr GaussRule rule;
   double sum = 0;
-  for (std::size_t i = 0; i < rule.node.size(); ++i)
-    for (const double sign : {-1.0, 1.0}) sum += rule.weight[i] * integrand(0.5 * length * (1 + sign * rule.node[i]));
+  visit_gauss_nodes(length, [&](double t, double weight) { sum += weight * integrand(t); });
   return 0.5 * length * sum;
 }
 

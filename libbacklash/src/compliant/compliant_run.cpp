@@ -13,8 +13,9 @@ CompliantRun::CompliantRun(const CompliantFlow& flow, const Eigen::VectorXd& sta
 
 CompliantRun::Event CompliantRun::advance(double until) {
   using Linear = CompliantFlow::Linear;
-  while (time_ < until) {
+  while (time_ < until && !is_spent()) {
     frac::throw_if_cancelled();
+    ++flights_;
     const CompliantFlow::Regime& regime = flow_->regime(mode_);
     const FlightPath path(regime.flight, state_);
     double end = std::min(until, time_ + path.horizon());
@@ -53,12 +54,23 @@ CompliantRun::Event CompliantRun::advance(double until) {
         watch(Event::stick, i, regime.bodies[body].velocity, -slide);
       }
     }
+    if (std::isfinite(flow_->force_limit())) {
+      const double most = flow_->force_limit();
+      if (mode_.limit == 0) {
+        for (const int sign : {-1, 1}) watch(Event::limit, sign, regime.wanted, sign, -most);
+      } else {
+        watch(Event::limit, 0, regime.wanted, -mode_.limit, most);
+      }
+    }
     if (visit_) visit_(regime, mode_, path, length);
+    const double place = state_[CompliantFlow::x1], gap = state_[CompliantFlow::gap];
     state_ = path.state(length);
+    if (flow_->error() > 0) hold_still(place, gap);
     if (transition_.size() > 0) transition_ = regime.flight.transition(length) * transition_;
     time_ = met == Event::none ? end : time_ + length;
     subject_ = subject;
     const auto body = static_cast<std::size_t>(std::max(0, subject));
+    if (met != Event::none && met != Event::limit) flights_ = 0;
     switch (met) {
       case Event::none:
         if (has_escaped()) return Event::none;
@@ -89,6 +101,10 @@ CompliantRun::Event CompliantRun::advance(double until) {
       case Event::turn_of_force:
         mode_.is_starting[body] = false;
         return met;
+      case Event::limit:
+        // The force is continuous.
+        mode_.limit = subject;
+        break;
       case Event::reversal:
         break;
     }
@@ -106,15 +122,7 @@ void CompliantRun::press(int wall) {
   if (!has_met) return;
   state_[CompliantFlow::gap] = wall * flow_->half_gap();
   const CompliantMode pressed = mode_;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double limit = flow_->friction(static_cast<int>(i));
-    if (limit == 0) continue;
-    const CompliantFlow::Body& body = flow_->regime(pressed).bodies[i];
-    const double others = body.others.row.dot(state_);
-    if (mode_.slide[i] == 0 && std::abs(others) > limit) release(i, others > 0 ? 1 : -1);
-    if (mode_.is_starting[i] && mode_.slide[i] * flow_->regime(mode_).bodies[i].acceleration.row.dot(state_) < 0)
-      mode_.is_starting[i] = false;
-  }
+  settle_slides();
   if (transition_.size() == 0) return;
   if (mode_ == pressed) {
     // The jump of the field is its change with d' times d', whatever the speed.
@@ -122,6 +130,45 @@ void CompliantRun::press(int wall) {
     transition_ += change * transition_.row(CompliantFlow::gap).eval();
   } else {
     jump(before.gap.row, before);
+  }
+}
+
+void CompliantRun::settle_slides() {
+  const CompliantFlow::Regime& regime = flow_->regime(mode_);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double limit = flow_->friction(static_cast<int>(i));
+    if (limit == 0) continue;
+    const double others = regime.bodies[i].others.row.dot(state_);
+    if (mode_.slide[i] == 0 && std::abs(others) > limit) release(i, others > 0 ? 1 : -1);
+    if (mode_.is_starting[i] && mode_.slide[i] * flow_->regime(mode_).bodies[i].acceleration.row.dot(state_) < 0)
+      mode_.is_starting[i] = false;
+  }
+}
+
+bool CompliantRun::has_escaped() const noexcept {
+  if (!state_.allFinite()) return true;
+  const double first = state_[CompliantFlow::v1];
+  return !(std::max(std::abs(first), std::abs(first + state_[CompliantFlow::rate])) <= bound_);
+}
+
+void CompliantRun::bend_set_point(double change_of_slope) {
+  flow_->set_point_bends(state_, change_of_slope);
+  mode_.limit = flow_->limit_of(state_);
+  settle_slides();
+}
+
+// Flights of realised powers err by more than rounding, also of bodies that rest.
+void CompliantRun::hold_still(double place, double gap) {
+  double &x1 = state_[CompliantFlow::x1], &v1 = state_[CompliantFlow::v1];
+  if (mode_.slide[0] == 0) {
+    state_[CompliantFlow::gap] += x1 - place;
+    state_[CompliantFlow::rate] += v1;
+    x1 = place;
+    v1 = 0;
+  }
+  if (mode_.slide[1] == 0) {
+    state_[CompliantFlow::gap] = gap + (place - x1);
+    state_[CompliantFlow::rate] = -v1;
   }
 }
 

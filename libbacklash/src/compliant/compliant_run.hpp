@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <string_view>
 
 #include "compliant_flow.hpp"
@@ -20,6 +22,7 @@ class CompliantRun {
     slide,          // a body that rested begins to move
     reversal,       // a body turns without rest
     turn_of_force,  // nothing to be seen
+    limit,          // the force reaches the actuator's limit or leaves it; nothing to be seen
   };
 
   /// Of one force period: ten times those of a contact that rings at 10^4 times the force and bounces each time.
@@ -47,7 +50,14 @@ class CompliantRun {
   [[nodiscard]] std::int64_t sticks() const noexcept { return sticks_; }
   /// Velocity phasors of the periods followed last, m/s.
   [[nodiscard]] const std::vector<std::complex<double>>& phasors() const noexcept { return phasors_; }
-  [[nodiscard]] bool has_escaped() const noexcept { return !state_.allFinite(); }
+  /// The state has left the range of numbers, or speeds their bound.
+  [[nodiscard]] bool has_escaped() const noexcept;
+  /// Of the speeds of both bodies, m/s.
+  void set_bound(double speed) { bound_ = speed; }
+  /// So many flights without an event that no more are followed.
+  [[nodiscard]] bool is_spent() const noexcept { return flights_ >= most_flights; }
+  /// The slope of a loop's set-point changes.
+  void bend_set_point(double change_of_slope);
 
   /// From now on: d state/d state then, over flights and events, for changes that leave bodies at rest where they
   /// stick.
@@ -58,9 +68,14 @@ class CompliantRun {
   void visit_pieces(Visit visit) { visit_ = std::move(visit); }
 
  private:
+  static constexpr std::int64_t most_flights = 20'000'000;
+
   void press(int wall);
+  /// Slides and rests that go with forces that have changed at once.
+  void settle_slides();
   void stop(std::size_t body);
   void release(std::size_t body, int sign);
+  void hold_still(double place, double gap);
   /// The jump of a disturbance at an event of the surface row * state = const.
   void jump(const CompliantFlow::Row& surface, const CompliantFlow::Regime& before);
 
@@ -73,6 +88,8 @@ class CompliantRun {
   std::vector<std::complex<double>> phasors_;
   Eigen::MatrixXd transition_;
   Visit visit_;
+  double bound_ = std::numeric_limits<double>::infinity();
+  std::int64_t flights_ = 0;  // since the last event
 };
 
 /// A motion at the first peak of the force after a contact, when the force is at `angle`, rad from its peak; the force

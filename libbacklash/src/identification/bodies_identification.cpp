@@ -460,6 +460,12 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
   if (std::any_of(curves.begin(), curves.end(), [](const auto& curve) { return curve.harmonic != 1; }))
     throw std::invalid_argument("a curve is of a harmonic above the first, which is followed for free masses only");
   check_names(structure);
+  if (options.friction != FrictionModel::none)
+    throw std::invalid_argument("friction is " + std::string(to_string(options.friction)) +
+                                "; of bodies with receptances dry friction is not estimated, and only none is allowed");
+  if (options.contact == ContactModel::compliant)
+    throw std::invalid_argument(
+        "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
   const detail::SceneData data = detail::scene_data(curves, options);
   const frac::Structure joint = detail::joint_structure(structure);
   const ParameterMap map(joint, with_defaults(joint, options.constraints), scale_of(data));

@@ -135,17 +135,13 @@ class History : public Command {
       const auto& row = history.rows[i];
       for (const double value : {row.time, row.x1, row.v1, row.x2 + half, row.v2}) cells.emplace_back(value);
       cells.emplace_back(std::string(backlash::to_string(row.event)));
-      cells.emplace_back(contact_of(row.wall));
+      cells.emplace_back(contact_word(row.wall));
       cells.emplace_back(row.contact_force);
     };
     write(text_of(document, format(), command_line()));
     if (!history.complete)
       say("ended early, where the motion had 10^5 events in a period or left the range of numbers");
     return history.complete ? usable_result : no_usable_result;
-  }
-
-  static std::string contact_of(const std::optional<backlash::Wall>& wall) {
-    return !wall ? "none" : *wall == backlash::Wall::near ? "near" : "far";
   }
 
   int run() override {
@@ -176,7 +172,7 @@ class History : public Command {
       const auto& row = history.rows[i];
       for (const double value : {row.time, row.x1, row.v1, row.x2, row.v2}) cells.emplace_back(value);
       cells.emplace_back(std::string(backlash::to_string(row.event)));
-      cells.emplace_back(contact_of(row.wall));
+      cells.emplace_back(contact_word(row.wall));
     };
     write(text_of(document, format(), command_line()));
     if (!history.complete) say("ended early, at the millionth impact");

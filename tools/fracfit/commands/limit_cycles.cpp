@@ -14,6 +14,7 @@
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "options/loop_options.hpp"
+#include "options/scene_options.hpp"
 #include "output/limit_cycles_output.hpp"
 #include "report/loop_figures.hpp"
 
@@ -60,6 +61,9 @@ class LimitCyclesCommand : public Command {
          "period of each motion, or with --over the frequencies",
          "FOLDER")
         .unsaid();
+    contact_.add(o);
+    for (const char* name : {"--over", "--omega", "--branches", "--pictures"})
+      CompliantOptions::exclude(o[name], "whose contacts take time");
     add_common({"csv", "json", "table"});
     set_footer(
         "All symmetric cycles with two impacts per period, and others that motions from seeded starts settle on; roots "
@@ -71,9 +75,16 @@ class LimitCyclesCommand : public Command {
         "and json tell where cycles meet, lose stability or cease between the values, refined to 1e-10, and where none "
         "is\n"
         "left.\n"
+        "With contacts that take time: what the symmetric cycles of the restitution become, stable or not, and what "
+        "motions\n"
+        "from seeded starts settle on; impacts_per_period counts meetings of the bodies, sticks_per_period how often "
+        "dry\n"
+        "friction brings one to rest, and rests tells where it can hold the loop.\n"
         "Examples:\n"
         "  fracfit limit-cycles --controller '1 + s^0.5' --restitution 0.6\n"
         "  fracfit limit-cycles --controller 'exp(-0.2 s) (1 + s^0.5)' --restitution 0.6 --format json\n"
+        "  fracfit limit-cycles --controller '1 + s^0.5' --contact-frequency 30 --contact-restitution 0.6 --friction1 "
+        "0.01\n"
         "  fracfit limit-cycles --controller '2 + 1.5 s^a' --restitution 0.8 --over a=0.3:1:15\n"
         "  fracfit limit-cycles --controller '2 + s' --load-receptance '1/(s^2 + b s)' --restitution 0.6 --over "
         "b=0:0.5:6");
@@ -114,7 +125,26 @@ class LimitCyclesCommand : public Command {
     return result;
   }
 
-  void check() override { loop_.check(over_.name); }
+  void check() override {
+    if (!is_compliant()) loop_.check(over_.name);
+  }
+  [[nodiscard]] bool is_compliant() const { return over_.name != "restitution" && contact_.are_given(options()); }
+
+  int run_compliant() {
+    const backlash::CompliantLoop loop = loop_.loop(contact_);
+    backlash::CompliantCycleOptions request;
+    request.starts = starts_.value_or(request.starts);
+    const CompliantLoopCycles cycles{
+        loop, contact_entries(loop.bodies()),
+        frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies().hard())),
+        backlash::compliant_cycles(loop, request)};
+    if (cycles.rigid.stability == frac::Stability::unstable)
+      say("the loop is unstable even without clearance: its cycles do not tell what limits the motion");
+    write(format() == "json"  ? limit_cycles_json(cycles, command_line())
+          : format() == "csv" ? limit_cycles_csv(cycles, command_line())
+                              : limit_cycles_table(cycles));
+    return usable_result;
+  }
 
   [[nodiscard]] std::vector<report::Figure> figures_of(const std::vector<LoopCycles>& loops,
                                                        const backlash::CycleContinuation* followed) const {
@@ -143,6 +173,7 @@ class LimitCyclesCommand : public Command {
   }
 
   int run() override {
+    if (is_compliant()) return run_compliant();
     // What is wrong with the loop is told before anything is made.
     static_cast<void>(over_.values.empty() ? loop_.loop() : loop_.loop(over_.name, over_.values.front()));
     if (!pictures_.empty()) make_picture_folder(pictures_);
@@ -179,6 +210,7 @@ class LimitCyclesCommand : public Command {
   }
 
   LoopOptions loop_;
+  CompliantOptions contact_;
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
   std::optional<int> starts_;

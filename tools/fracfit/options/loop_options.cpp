@@ -93,7 +93,7 @@ void LoopOptions::check(const std::string& varied) const {
   }
 }
 
-backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) const {
+LoopOptions::Parts LoopOptions::parts(const std::string& name, double value) const {
   double mass1 = std::isnan(mass1_) ? 1 : mass1_, mass2 = std::isnan(mass2_) ? 1 : mass2_;
   double clearance = clearance_, restitution = restitution_;
   bool is_known = name.empty();
@@ -121,10 +121,19 @@ backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) c
                                 ": no formula has that name, and it is none of mass1, mass2 (of free masses), "
                                 "clearance and restitution");
   }
-  if (load_.empty() && drive_.empty()) {
-    return {backlash::TwoMassSystem(mass1, mass2, clearance, restitution), controller, body_};
-  }
-  return {backlash::LinearBodies(load, drive, clearance, restitution), controller, body_};
+  return {clearance, restitution, mass1, mass2, controller, load, drive};
+}
+
+backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) const {
+  const Parts of = parts(name, value);
+  if (load_.empty() && drive_.empty())
+    return {backlash::TwoMassSystem(of.mass1, of.mass2, of.clearance, of.restitution), of.controller, body_};
+  return {backlash::LinearBodies(of.load, of.drive, of.clearance, of.restitution), of.controller, body_};
+}
+
+backlash::CompliantLoop LoopOptions::loop(const CompliantOptions& contact) const {
+  const Parts of = parts({}, NAN);
+  return {contact.bodies(of.load, of.drive, of.clearance).front(), of.controller, body_};
 }
 
 }  // namespace fracfit

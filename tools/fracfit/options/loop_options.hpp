@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "backlash/compliant/compliant_loop.hpp"
 #include "backlash/loops/control_loop.hpp"
 #include "options/options.hpp"
+#include "options/scene_options.hpp"
 
 namespace fracfit {
 
@@ -30,10 +32,18 @@ class LoopOptions {
   ///               name in a formula; empty for none
   /// @throws std::invalid_argument  no such name; a name without a value; as ControlLoop and LinearBodies.
   [[nodiscard]] backlash::ControlLoop loop(const std::string& name = {}, double value = NAN) const;
+  /// The same with contacts that take time and dry friction in place of the restitution.
+  [[nodiscard]] backlash::CompliantLoop loop(const CompliantOptions& contact) const;
   /// @throws std::invalid_argument  a restitution that is missing, or given and varied.
   void check(const std::string& varied = {}) const;
 
  private:
+  struct Parts {
+    double clearance, restitution, mass1, mass2;
+    frac::FractionalTransferFunction controller, load, drive;
+  };
+  [[nodiscard]] Parts parts(const std::string& name, double value) const;
+
   std::string controller_, load_, drive_;
   backlash::Output body_ = backlash::Output::x1;
   double mass1_ = NAN, mass2_ = NAN, clearance_ = 1, restitution_ = NAN;

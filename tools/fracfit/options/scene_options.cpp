@@ -124,6 +124,10 @@ io::Metadata friction_entries(const backlash::CompliantBodies& bodies) {
           {"friction2_n", io::format_number(bodies.friction().body2)}};
 }
 
+std::string contact_word(const std::optional<backlash::Wall>& wall) {
+  return !wall ? "none" : *wall == backlash::Wall::near ? "near" : "far";
+}
+
 bool is_compliant_option(std::string_view name) {
   return name.starts_with("--contact-") || name == "--friction1" || name == "--friction2";
 }

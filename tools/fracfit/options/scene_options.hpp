@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "backlash/compliant/compliant_bodies.hpp"
+#include "backlash/impact_simulation.hpp"
 #include "backlash/two_mass_system.hpp"
 #include "io/text_table.hpp"
 #include "options/options.hpp"
@@ -61,6 +63,8 @@ class CompliantOptions {
 [[nodiscard]] io::Metadata contact_entries(const backlash::CompliantBodies& bodies);
 /// The last of them, of bodies whose contacts differ.
 [[nodiscard]] io::Metadata friction_entries(const backlash::CompliantBodies& bodies);
+/// "near", "far" or "none".
+[[nodiscard]] std::string contact_word(const std::optional<backlash::Wall>& wall);
 /// Whether only commands with CompliantOptions take an option of that name.
 [[nodiscard]] bool is_compliant_option(std::string_view name);
 

@@ -155,6 +155,63 @@ Json motions_json(const LoopCycles& loop) {
   return motions;
 }
 
+ListedCycle listed_cycle(const backlash::CompliantCycle& cycle, const std::string& no_reason) {
+  return {cycle.omega,
+          cycle.symmetric,
+          static_cast<std::size_t>(cycle.contacts),
+          true,
+          no_reason,
+          cycle.stability,
+          cycle.symmetric ? "half-period" : "period",
+          cycle.impulse,
+          cycle.impact_speed,
+          cycle.harmonics,
+          nullptr,
+          nullptr};
+}
+
+Json cycle_json(const backlash::CompliantCycle& cycle) {
+  const std::string no_reason;
+  const ListedCycle listed = listed_cycle(cycle, no_reason);
+  Json json = json_of(listed);
+  json.update(
+      {{"sticks_per_period", cycle.sticks},
+       {"error", cycle.error},
+       {"start", {{"x1", cycle.start.x1}, {"v1", cycle.start.v1}, {"x2", cycle.start.x2}, {"v2", cycle.start.v2}}}});
+  json["describing_function"] = Json();
+  if (!cycle.predicted) return json;
+  json["describing_function"] = {
+      {"omega", cycle.predicted->omega},
+      {"force", cycle.predicted->force_amplitude},
+      {"relative_error_omega", cycle.predicted->omega / cycle.omega - 1},
+      {"relative_error_force", cycle.predicted->force_amplitude / listed.amplitude_force() - 1},
+      {"stable", cycle.predicted->stable}};
+  return json;
+}
+
+/// Where dry friction can hold the loop, if anywhere in particular.
+std::optional<backlash::RestRange> rests_of(const backlash::CompliantLoop& loop) {
+  const backlash::CoulombFriction& friction = loop.bodies().friction();
+  if (friction.body1 == 0 && friction.body2 == 0) return std::nullopt;
+  const backlash::RestRange range = backlash::rest_range(loop, 0);
+  if (!std::isfinite(range.from) || !std::isfinite(range.to)) return std::nullopt;
+  return range;
+}
+
+// "1 of 3 starts: ...", of motions that settle on no cycle.
+std::string motions_text(const std::vector<backlash::CompliantMotion>& motions) {
+  std::string text;
+  for (const auto& [regime, what] : {std::pair{backlash::LoopRegime::quiet, "the bodies meet no more."},
+                                     std::pair{backlash::LoopRegime::irregular, "no cycle of up to 24 meetings."},
+                                     std::pair{backlash::LoopRegime::diverged, "the motion grows without bound."}}) {
+    const auto count = std::count_if(motions.begin(), motions.end(),
+                                     [regime = regime](const auto& motion) { return motion.regime == regime; });
+    if (count > 0)
+      text += paragraph(std::to_string(count) + " of " + std::to_string(motions.size()) + " starts: " + what, 2);
+  }
+  return text;
+}
+
 Json loop_json(const LoopCycles& loop) {
   const backlash::TwoMassSystem& system = loop.loop.system();
   Json json = Json::object();
@@ -558,6 +615,103 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
           paragraph(
               "omega in rad/s, exact; |z|: largest multiplier per half period; speed: of the impacts, m/s; x1, x2 (m) "
               "and force (N): peak of the fundamental; predicted: omega by the describing function.");
+  return text;
+}
+
+std::string limit_cycles_json(const CompliantLoopCycles& loop, const std::string& command) {
+  const backlash::CompliantBodies& bodies = loop.loop.bodies();
+  Json json = origin(command);
+  json["scene"] = {{"controller", loop.loop.controller().formula()},
+                   {"body", backlash::to_string(loop.loop.measured())},
+                   {"mass1_kg", bodies.system().mass1()},
+                   {"mass2_kg", bodies.system().mass2()},
+                   {"clearance_m", bodies.system().clearance()}};
+  json["scene"].update(object_of(loop.contact));
+  if (!bodies.hard().are_free()) {
+    json["scene"]["load_receptance"] = bodies.hard().load().formula();
+    json["scene"]["drive_receptance"] = bodies.hard().drive().formula();
+  }
+  json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
+                        {"unstable_poles", loop.rigid.unstable_poles}};
+  const auto rests = rests_of(loop.loop);
+  json["rests"] = rests ? Json({{"from", rests->from}, {"to", rests->to}}) : Json();
+  Json& cycles = json["cycles"] = Json::array();
+  for (const backlash::CompliantCycle& cycle : loop.found.cycles) cycles.push_back(cycle_json(cycle));
+  Json& motions = json["motions"] = Json::array();
+  for (const backlash::CompliantMotion& motion : loop.found.motions)
+    motions.push_back({{"velocity1", motion.start.v1},
+                       {"velocity2", motion.start.v2},
+                       {"regime", backlash::to_string(motion.regime)},
+                       {"omega", motion.cycle ? Json(loop.found.cycles[*motion.cycle].omega) : Json()}});
+  return json.dump(1) + "\n";
+}
+
+std::string limit_cycles_csv(const CompliantLoopCycles& loop, const std::string& command) {
+  io::Metadata head{{"body", std::string(backlash::to_string(loop.loop.measured()))},
+                    {"rigid_loop", std::string(frac::to_string(loop.rigid.stability))}};
+  head.insert(head.end(), loop.contact.begin(), loop.contact.end());
+  if (const auto rests = rests_of(loop.loop)) {
+    head.emplace_back("rest_from_m", io::format_number(rests->from));
+    head.emplace_back("rest_to_m", io::format_number(rests->to));
+  }
+  return text_of({head,
+                  {{"omega_rad_s", "symmetric", "impacts_per_period", "sticks_per_period", "stable",
+                    "multiplier_modulus", "impulse_n_s", "impact_speed_m_per_s", "amplitude_x1_m", "amplitude_x2_m",
+                    "amplitude_force_n", "predicted_omega_rad_s", "predicted_force_n"},
+                   loop.found.cycles.size(),
+                   [&](std::size_t i, std::vector<Cell>& cells) {
+                     constexpr double none = std::numeric_limits<double>::quiet_NaN();
+                     const backlash::CompliantCycle& cycle = loop.found.cycles[i];
+                     const std::string no_reason;
+                     const ListedCycle listed = listed_cycle(cycle, no_reason);
+                     cells.insert(cells.end(),
+                                  {cycle.omega, cycle.symmetric, cell_of(cycle.contacts), cell_of(cycle.sticks),
+                                   cycle.stability.stable, listed.multiplier_modulus(), cycle.impulse,
+                                   cycle.impact_speed, listed.amplitude_x1(), listed.amplitude_x2(),
+                                   listed.amplitude_force(), cycle.predicted ? cycle.predicted->omega : none,
+                                   cycle.predicted ? cycle.predicted->force_amplitude : none});
+                   }}},
+                 "csv", command);
+}
+
+std::string limit_cycles_table(const CompliantLoopCycles& loop) {
+  std::string text = "Rigid loop (no clearance): " + std::string(frac::to_string(loop.rigid.stability));
+  if (loop.rigid.unstable_poles > 0) text += ", poles to the right: " + std::to_string(loop.rigid.unstable_poles);
+  text += "\n\n";
+  AlignedTable table(
+      {"omega", "motion", "contacts", "sticks", "|z|", "speed", "x1", "x2", "force", "predicted", "error"});
+  std::string remarks;
+  for (const backlash::CompliantCycle& cycle : loop.found.cycles) {
+    const std::string no_reason;
+    const ListedCycle listed = listed_cycle(cycle, no_reason);
+    std::vector<std::string> row{short_number(cycle.omega), cycle.stability.stable ? "stable" : "unstable",
+                                 std::to_string(cycle.contacts), std::to_string(cycle.sticks)};
+    for (const double value : {listed.multiplier_modulus(), cycle.impact_speed, listed.amplitude_x1(),
+                               listed.amplitude_x2(), listed.amplitude_force()})
+      row.push_back(short_number(value));
+    row.push_back(cycle.predicted ? short_number(cycle.predicted->omega) : "-");
+    row.push_back(cycle.predicted ? percent(cycle.predicted->omega / cycle.omega - 1) : "-");
+    table.add(row);
+    const std::string at = "omega " + short_number(cycle.omega) + ": ";
+    if (!cycle.symmetric) remarks += paragraph(at + "asymmetric, its mirror image is another one.", 2);
+    if (!cycle.stability.stable)
+      remarks += paragraph(at + "unstable by " + std::string(backlash::to_string(cycle.stability.loss)) + ".", 2);
+  }
+  remarks += motions_text(loop.found.motions);
+  text += loop.found.cycles.empty() ? "No limit cycle was found.\n" : table.text();
+  if (!remarks.empty()) text += "\n" + remarks;
+  if (const auto rests = rests_of(loop.loop))
+    text +=
+        "\n" + paragraph("Dry friction can hold " + std::string(backlash::to_string(loop.loop.measured())) + " from " +
+                         short_number(rests->from) + " to " + short_number(rests->to) + " m off the set-point.");
+  if (loop.found.cycles.empty()) return text;
+  text +=
+      "\n" + paragraph(
+                 "omega in rad/s; contacts: times that the bodies meet in a period; sticks: times that one comes to "
+                 "rest; |z|: largest multiplier, per half period of symmetric cycles; speed: of the hardest meeting, "
+                 "m/s; x1, x2 (m) and force (N): peak of the fundamental; predicted: omega by the describing "
+                 "function. Looked for were what symmetric cycles of the restitution become and what motions settle "
+                 "on.");
   return text;
 }
 

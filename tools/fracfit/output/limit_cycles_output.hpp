@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_cycles.hpp"
 #include "backlash/loops/cycle_continuation.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
@@ -24,6 +25,14 @@ struct LoopCycles {
   io::Metadata varied = {};             // name and value of a quantity that changes from loop to loop
 };
 
+/// The same of a loop whose contacts take time.
+struct CompliantLoopCycles {
+  backlash::CompliantLoop loop;
+  io::Metadata contact;  // entries that tell contact and friction
+  frac::ClosedLoopStability rigid;
+  backlash::CompliantCycles found;
+};
+
 /// The numbers of a cycle, as JSON has them.
 [[nodiscard]] std::vector<frac::NumberDescription> described_limit_cycle(bool flat);
 
@@ -38,5 +47,9 @@ struct LoopCycles {
 /// For people.
 [[nodiscard]] std::string limit_cycles_table(const std::vector<LoopCycles>& loops,
                                              const backlash::CycleContinuation* followed);
+
+[[nodiscard]] std::string limit_cycles_json(const CompliantLoopCycles& loop, const std::string& command);
+[[nodiscard]] std::string limit_cycles_csv(const CompliantLoopCycles& loop, const std::string& command);
+[[nodiscard]] std::string limit_cycles_table(const CompliantLoopCycles& loop);
 
 }  // namespace fracfit

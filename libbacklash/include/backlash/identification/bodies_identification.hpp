@@ -67,9 +67,10 @@ struct BodiesIdentification {
 /// positive unless a lower limit below 0 is given; their intervals are symmetric all the same, and reach below 0 where
 /// the data show no friction.  Where fewer than twice as many residuals as parameters lie on the orbit nothing is
 /// estimated.
-/// @param options  constraints by the names in the formulas, clearance and restitution
+/// @param options  constraints by the names in the formulas, clearance and restitution; contacts take no time and
+///                 bodies have no dry friction
 /// @throws std::invalid_argument  as identify_scene() and LinearBodies; a formula that uses the names clearance or
-///                                restitution.
+///                                restitution; contacts asked to be compliant, friction asked for.
 [[nodiscard]] BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunction>& curves,
                                                    const BodiesStructure& structure,
                                                    const SceneIdentificationOptions& options = {});

@@ -91,6 +91,10 @@ class LoopRun {
   std::int64_t flights_ = 0;  // since the last event
 };
 
+/// Refuses arguments of simulate_loop().
+void require_simulated(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                       const LoopSimulationOptions& options);
+
 /// simulate_loop() but for whole_memory, of arguments that are valid.
 [[nodiscard]] LoopHistory run_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                                    const LoopSimulationOptions& options);

@@ -89,4 +89,26 @@ void PlacedOperator::kick(Eigen::VectorXd& state, int derivative, double size) c
   }
 }
 
+void PlacedOperator::remember(Eigen::VectorXd& state, const std::vector<std::pair<double, std::complex<double>>>& lines,
+                              double jump) const {
+  using Complex = std::complex<double>;
+  Index i = first;
+  for (std::size_t k = 0; k < of.integral_weights.size(); ++k, ++i) {
+    state[i] = 0;
+    for (const auto& [omega, phasor] : lines)
+      state[i] += (phasor * std::pow(Complex(0, omega), -static_cast<int>(k) - 1)).real();
+  }
+  for (const LoopOperator::OperatorMode& mode : of.modes) {
+    Complex sum = mode.derivative == 2 ? -0.5 * jump : 0;
+    for (const auto& [omega, phasor] : lines) {
+      const auto part = [&](Complex s, Complex of_line) {
+        return 0.5 * of_line * std::pow(s, mode.derivative) / (s - mode.rate);
+      };
+      sum += part({0, omega}, phasor) + part({0, -omega}, std::conj(phasor));
+    }
+    state[i++] = sum.real();
+    if (!mode.is_real()) state[i++] = sum.imag();
+  }
+}
+
 }  // namespace backlash::detail

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "frac/model/fractional_transfer_function.hpp"
 #include "loop_operator.hpp"
@@ -31,6 +34,11 @@ struct PlacedOperator {
   void scale(Eigen::VectorXd& sizes, double length, double pace) const;
   /// A jump of that derivative of the signal.
   void kick(Eigen::VectorXd& state, int derivative, double size) const;
+  /// The states at t = 0 of the signal Re sum phasor e^{j omega t}, whose velocity jumps there and whose sums are in
+  /// the middle of that jump: just before it.
+  /// @param lines  omega, rad/s, and phasor
+  void remember(Eigen::VectorXd& state, const std::vector<std::pair<double, std::complex<double>>>& lines,
+                double jump) const;
 };
 
 }  // namespace backlash::detail

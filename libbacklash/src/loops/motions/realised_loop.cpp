@@ -14,7 +14,8 @@ namespace {
 using Index = Eigen::Index;
 enum : Index { x1, v1, x2, v2, bodies_states };
 
-// Where the rigid loop crosses over, from above; 1 where it never does.
+}  // namespace
+
 double crossover(const ControlLoop& loop) {
   const double mass = loop.system().mass1() + loop.system().mass2();
   const auto excess = [&](double log_omega) {
@@ -34,8 +35,6 @@ double crossover(const ControlLoop& loop) {
   }
   return 1;
 }
-
-}  // namespace
 
 RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance)
     : system_(loop.system()),

@@ -22,6 +22,9 @@ struct SineForce {
   double omega;      // rad/s
 };
 
+/// Where the rigid loop crosses over, from above, rad/s; 1 where it never does.
+[[nodiscard]] double crossover(const ControlLoop& loop);
+
 /// The loop as x' = A x between impacts, with one A for each combination of limited force and contact.  The bodies are
 /// masses under the force of their friction and springs, R(s) = 1/G - M s^2 of their own position, so that an impact
 /// acts on velocities alone.  With a dead time the controller follows a twin of the load, to which everything happens

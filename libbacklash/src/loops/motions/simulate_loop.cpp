@@ -257,29 +257,6 @@ void require_set_point(const ControlLoop& loop, const SetPoint& set_point) {
   }
 }
 
-void require_valid(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
-                   const LoopSimulationOptions& options) {
-  for (const double value : {start.x1, start.v1, start.x2, start.v2}) {
-    if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
-  }
-  if (!(std::abs(start.x2 - start.x1) <= 0.5 * loop.system().clearance())) {
-    throw std::invalid_argument("the start has the masses " + detail::text(start.x2 - start.x1) +
-                                " m apart; half the clearance is " + detail::text(0.5 * loop.system().clearance()));
-  }
-  require_set_point(loop, set_point);
-  detail::require_positive("duration", "s", options.duration);
-  detail::require_not_negative("sample time", "s", options.sample_time);
-  if (options.sample_time > 0 && options.duration / options.sample_time > 1e7) {
-    throw std::invalid_argument("duration over sample time makes more than 10^7 rows");
-  }
-  if (options.most_impacts < 1) throw std::invalid_argument("most_impacts is 0");
-  if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1)) {
-    throw std::invalid_argument("tolerance " + detail::text(options.tolerance) + "; allowed is 1e-12 to 0.1");
-  }
-  if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
-  if (options.whole_memory) require_whole_memory(loop, set_point, options);
-}
-
 LoopHistory run_with_whole_memory(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                                   const LoopSimulationOptions& options) {
   Loop motion(loop, start, set_point);
@@ -347,6 +324,29 @@ LoopHistory run_with_whole_memory(const ControlLoop& loop, const LoopStart& star
 
 }  // namespace
 
+void detail::require_simulated(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                               const LoopSimulationOptions& options) {
+  for (const double value : {start.x1, start.v1, start.x2, start.v2}) {
+    if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
+  }
+  if (!(std::abs(start.x2 - start.x1) <= 0.5 * loop.system().clearance())) {
+    throw std::invalid_argument("the start has the masses " + detail::text(start.x2 - start.x1) +
+                                " m apart; half the clearance is " + detail::text(0.5 * loop.system().clearance()));
+  }
+  require_set_point(loop, set_point);
+  detail::require_positive("duration", "s", options.duration);
+  detail::require_not_negative("sample time", "s", options.sample_time);
+  if (options.sample_time > 0 && options.duration / options.sample_time > 1e7) {
+    throw std::invalid_argument("duration over sample time makes more than 10^7 rows");
+  }
+  if (options.most_impacts < 1) throw std::invalid_argument("most_impacts is 0");
+  if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1)) {
+    throw std::invalid_argument("tolerance " + detail::text(options.tolerance) + "; allowed is 1e-12 to 0.1");
+  }
+  if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
+  if (options.whole_memory) require_whole_memory(loop, set_point, options);
+}
+
 std::string_view to_string(LoopEvent event) {
   return frac::detail::spelling(event_names, event);
 }
@@ -357,7 +357,7 @@ std::string_view to_string(LoopEnd end) {
 
 LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                           const LoopSimulationOptions& options) {
-  require_valid(loop, start, set_point, options);
+  detail::require_simulated(loop, start, set_point, options);
   return options.whole_memory ? run_with_whole_memory(loop, start, set_point, options)
                               : detail::run_loop(loop, start, set_point, options);
 }
