@@ -232,8 +232,6 @@ class LoopCommand : public Command {
     return usable_result;
   }
 
-  // Between rows a record takes cubics, which err by the fourth power of their length.
-
   LoopOptions loop_;
   CompliantOptions contact_;
   std::optional<std::pair<double, double>> sine_;
