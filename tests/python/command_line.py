@@ -46,7 +46,7 @@ FUNCTIONS = {
 # Methods without options of their own, and batch, whose options are those of fit.
 METHODS = {"analyse": "Model.stability", "batch": "batch", "convert": "FrequencyResponse.to_csv", "evaluate": "FitResult.band"}
 # These compute nothing: texts for shells, documents and clusters, and files joined.
-TEXTS = {"cluster-script", "completion", "describe", "help", "man", "merge"}
+TEXTS = {"cluster-script", "completion", "describe", "man", "merge"}
 
 
 def run(*arguments):
