@@ -109,4 +109,12 @@ TEST(Evaluate, WrongUsageAndFilesThatAreNoFitAreNamed) {
   expect({"evaluate", "--fit", folder.write("half.json", "{\"model\":\"1/s\"}"), "--omega", "1"}, 3, "'residuals'");
 }
 
+// Rows are written one by one, and no machine writes a million of them in 10 ms.
+TEST(Evaluate, EndsAtItsTimeLimitWhileItWritesRows) {
+  const auto result = run_fracfit({"evaluate", "1/(s + 1)", "--omega", "1:10:1000000", "--time-limit", "0.01"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.error.find("--time-limit 0.01: the time is over"), std::string::npos) << result.error;
+  EXPECT_EQ(result.output, "");
+}
+
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "frac/cancellation.hpp"
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
@@ -63,8 +64,10 @@ std::string shown(const std::string& entry) {
 template <class Use>
 void for_each_row(const Rows& rows, const Use& use) {
   std::vector<Cell> cells;
+  constexpr std::size_t rows_between_looks = 4096;  // some milliseconds
   for (std::size_t i = 0; i < rows.count; ++i) {
     cells.clear();
+    if (i % rows_between_looks == 0) frac::throw_if_cancelled();
     rows.fill(i, cells);
     use(cells);
   }
