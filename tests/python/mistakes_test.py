@@ -36,6 +36,8 @@ MISTAKES = {
     "an underscore in a preset": (lambda: fracfit.fit(DATA, "two_zarc"), ["two-zarc"]),
     "a capital in a preset": (lambda: fracfit.fit(DATA, "Two-ZARC"), ["two-zarc"]),
     "an option misspelt": (lambda: fracfit.fit(DATA, LAG, bouds={"K": (0, 1)}), ["bounds"]),
+    "a word for a switch of a fit": (lambda: fracfit.fit(DATA, LAG, passive="no"), ["passive", "True or False"]),
+    "a word for a switch": (lambda: fracfit.tune(PLANT, crossover=1, phase_margin=1, flat_phase="no"), ["flat_phase", "True or False"]),
     "p0 as in scipy": (lambda: fracfit.fit(DATA, LAG, p0=[1, 1, 1]), ["start"]),
     "initial_guess as in impedance.py": (lambda: fracfit.fit(DATA, LAG, initial_guess=[1, 1, 1]), ["start"]),
     "weight_by_modulus as in impedance.py": (lambda: fracfit.fit(DATA, LAG, weight_by_modulus=True), ["weight"]),

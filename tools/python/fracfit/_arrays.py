@@ -98,6 +98,13 @@ def text(value: Any, name: str) -> str:
     return value
 
 
+def flag(value: Any, name: str) -> bool:
+    """True or False, where the truth of anything else would be taken for an answer."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} is {value!r}; expected True or False" if np.ndim(value) == 0 else f"{name} is of the type {type(value).__name__}; expected True or False")
+    return bool(value)
+
+
 def one_of(value: Any, name: str, choices: tuple[str, ...]) -> str:
     """One of some texts."""
     if text(value, name) not in choices:

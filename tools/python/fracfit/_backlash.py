@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, count, number, one_of, pair, real_array, shape_of, text
+from ._arrays import body_of, count, flag, number, one_of, pair, real_array, shape_of, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._tables import Table
@@ -565,7 +565,7 @@ def limit_cycles(
         None if band is None else pair(band, "band"),
         count(harmonics, "harmonics"),
         count(starts, "starts"),
-        bool(branches),
+        flag(branches, "branches"),
     )
     return LimitCycles(found)
 

@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _core
-from ._arrays import NO_NUMBERS, complex_array, in_words, mapping, number, path_of, real_array, text
+from ._arrays import NO_NUMBERS, complex_array, flag, in_words, mapping, number, path_of, real_array, text
 from ._tables import Table, column_unit
 from ._text import html_table
 from ._words import named, no_attribute
@@ -560,7 +560,7 @@ def read(
         "frequency_unit": frequency_unit,
         "select": str(select),
         "weight_column": weight_column,
-        "repeats": repeats,
+        "repeats": flag(repeats, "repeats"),
         "quantity": quantity,
     }
     conditions = [where] if isinstance(where, str) else list(where)

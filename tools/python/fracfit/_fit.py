@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Se
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, complex_array, count, mapping, number, pair, real_array, seed_number, text, texts
+from ._arrays import body_of, complex_array, count, flag, mapping, number, pair, real_array, seed_number, text, texts
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of, response_of
@@ -1093,7 +1093,7 @@ def tune(
     specification = {
         "crossover": None if crossover is None else number(crossover, "crossover"),
         "phase_margin": None if phase_margin is None else number(phase_margin, "phase_margin"),
-        "flat_phase": bool(flat_phase),
+        "flat_phase": flag(flat_phase, "flat_phase"),
         "max_sensitivity": number(max_sensitivity, "max_sensitivity"),
         "max_complementary_sensitivity": number(max_complementary_sensitivity, "max_complementary_sensitivity"),
         "high_frequency": None if high_frequency is None else pair(high_frequency, "high_frequency"),
@@ -1105,7 +1105,7 @@ def tune(
         "mu": _range(mu, "mu"),
         "derivative_filter_time": number(derivative_filter_time, "derivative_filter_time"),
         "minimise": text(minimise, "minimise"),
-        "load_step": bool(load_step),
+        "load_step": flag(load_step, "load_step"),
         "horizon": number(horizon, "horizon"),
         "seed": seed_number(seed),
     }

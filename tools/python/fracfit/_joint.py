@@ -7,7 +7,7 @@ from typing import Any, Literal, Mapping, Sequence, overload
 
 import numpy as np
 
-from ._arrays import count, mapping, number, real_array, seed_number, text, texts
+from ._arrays import count, flag, mapping, number, real_array, seed_number, text, texts
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of
 from ._fit import Known, Limits, Priors, _described, _fitted_part, _fitting, _known, _one_of, _structure, weight_of
@@ -239,8 +239,8 @@ def joint_fit(
         "loss": loss,
         "realisation": realisation_of(realisation),
         "offset": None if offset is None else number(offset, "offset"),
-        "trend": bool(trend),
-        "earlier_input": bool(earlier_input),
+        "trend": flag(trend, "trend"),
+        "earlier_input": flag(earlier_input, "earlier_input"),
         "noise": noise,
         "seed": seed_number(seed),
         "shared": common,
@@ -440,10 +440,10 @@ def jump_law(
         contacts = [np.ascontiguousarray(each, dtype=float) for each in np.broadcast_arrays(
             *(real_array(np.atleast_1d(value), name) for name, value in (("contact_stiffness", contact_stiffness), ("contact_damping", contact_damping)))
         )]  # fmt: skip
-        if constants:
+        if flag(constants, "constants"):
             return JumpConstants({"rows": _fitting.contact_jump_constants(*masses, *lists[:2], *contacts, text(criterion, "criterion"))})
         return JumpLaw(_fitting.contact_jump_law(*masses, *lists[:2], *contacts, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law")))
     request = (*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
-    if constants:
+    if flag(constants, "constants"):
         return JumpConstants({"rows": _fitting.jump_constants(*request)})
     return JumpLaw(_fitting.jump_law(*request))

@@ -9,7 +9,7 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, count, number, pair, real_array, seed_number
+from ._arrays import body_of, count, flag, number, pair, real_array, seed_number
 from ._backlash import contact_or_none
 from ._data import TimeSeries
 from ._model import Model, _Record
@@ -450,7 +450,7 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
-    if record and sample_time is not None:
+    if flag(record, "record") and sample_time is not None:
         raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
     if record and not number(every, "every") > 0:
         raise ValueError(f"every is {every:g}; a record needs the time between its samples, above 0")
@@ -469,7 +469,7 @@ def loop(
         "sample_time": None if sample_time is None else number(sample_time, "sample_time"),
         "force_limit": number(force_limit, "force_limit"),
         "tolerance": number(tolerance, "tolerance"),
-        "whole_memory": bool(whole_memory),
+        "whole_memory": flag(whole_memory, "whole_memory"),
         "impacts": count(impacts, "impacts"),
     }
     bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, number, real_array, shape_of
+from ._arrays import complex_array, flag, number, real_array, shape_of
 from ._words import named
 
 
@@ -43,7 +43,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, gamma: Any = 1.0, derivativ
     is_complex = np.iscomplexobj(z)
     convert = complex_array if is_complex else real_array
     points = convert(z, "z", ())
-    derivative = bool(derivative)
+    derivative = flag(derivative, "derivative")
     shapes = np.shape(alpha), np.shape(beta), np.shape(z), np.shape(gamma)
     shape = shape_of({"alpha": alpha, "beta": beta, "z": z, "gamma": gamma})
     thirds = real_array(gamma, "gamma", ())

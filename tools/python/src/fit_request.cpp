@@ -42,7 +42,10 @@ void take(T& value, const py::dict& given, const char* key) {
     value = found.cast<T>();
   } catch (const py::cast_error&) {
     throw std::invalid_argument(std::string(key) + " is " + py::repr(found).cast<std::string>() +
-                                (std::is_same_v<T, std::string> ? "; expected a text" : "; expected a number"));
+                                (std::is_same_v<T, std::string> ? "; expected a text"
+                                 : std::is_same_v<T, bool> || std::is_same_v<T, std::optional<bool>>
+                                     ? "; expected True or False"
+                                     : "; expected a number"));
   }
 }
 
