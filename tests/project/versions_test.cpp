@@ -34,6 +34,11 @@ TEST(Versions, AreTheSameWhereverTheyAreTold) {
   EXPECT_EQ(newest[2] == "unreleased", !is_release);
   const auto package = first_match("tools/packaging/debian/changelog", R"(^fracfit \(([^)]+)\))", packages);
   EXPECT_EQ(package[1], version + (is_release ? "-1" : "~dev-1"));
+  // The package of the shared library carries the number of its interface, MAJOR.MINOR.
+  std::string control;
+  const auto library =
+      first_match("tools/packaging/debian/control", R"(\nPackage: libfracfit(\S+)\nSection: libs\n)", control);
+  EXPECT_EQ(library[1], version.substr(0, version.rfind('.')));
 
   std::string releases;
   const auto released = first_match("CHANGELOG.md", R"(\n## ([0-9.]+) - ([0-9-]+)\n)", releases);
