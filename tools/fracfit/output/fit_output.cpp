@@ -340,6 +340,11 @@ std::string why_chosen(const frac::IdentificationResult& result) {
                : "of those that follow the data the one that the verdict prefers, not that of the least AICc";
 }
 
+// A weight is a probability: digits beyond the fourth place say nothing.
+std::string weight_text(double weight) {
+  return weight < 1e-4 ? "<0.0001" : short_number(weight, 3);
+}
+
 }  // namespace
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
@@ -370,7 +375,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     }
     std::vector<std::string> row{candidate.name, std::string(frac::to_string(candidate.model_class)),
                                  std::to_string(candidate.fit.free_parameters), short_number(candidate.fit.rms)};
-    if (noisy) row.insert(row.end(), {short_number(candidate.delta_aicc), short_number(candidate.akaike_weight)});
+    if (noisy) row.insert(row.end(), {short_number(candidate.delta_aicc), weight_text(candidate.akaike_weight)});
     if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[i]));
     row.push_back(remark_with_spellings(result, i, noisy));
     ranking.add(row);
