@@ -34,6 +34,11 @@ Eigen::MatrixXd PivotedQr::basis() const {
   return factors_->householderQ() * Eigen::MatrixXd::Identity(factors_->rows(), factors_->rank());
 }
 
+std::vector<Eigen::Index> PivotedQr::order() const {
+  const auto& indices = factors_->colsPermutation().indices();
+  return {indices.begin(), indices.end()};
+}
+
 PlainQr::PlainQr(const Eigen::MatrixXd& columns) : factors_(std::make_shared<Factors>(columns)) {}
 
 Eigen::VectorXd PlainQr::solve(const Eigen::VectorXd& right) const {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 namespace frac::detail {
 
@@ -28,6 +29,8 @@ class PivotedQr {
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   /// Orthonormal, of the space of the columns: as many as the rank.
   [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// The columns, those first that are furthest from the space of the ones before.
+  [[nodiscard]] std::vector<Eigen::Index> order() const;
 
  private:
   using Factors = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;

@@ -39,6 +39,54 @@ Index slow_count(const std::vector<double>& moduli, double pace) {
   return best;
 }
 
+// A matrix in other coordinates: the states are order * scale * those of the frame.
+struct Frame {
+  Eigen::VectorXd scale;
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
+  Matrix matrix;
+};
+
+Frame in_sizes(const Matrix& a, const Eigen::VectorXd& sizes) {
+  Frame frame{sizes, {}, {}};
+  frame.order.setIdentity(sizes.size());
+  // Powers of two, so that scaling rounds nothing.
+  for (double& each : frame.scale) each = std::exp2(std::round(std::log2(each)));
+  frame.matrix = frame.scale.cwiseInverse().asDiagonal() * a * frame.scale.asDiagonal();
+  return frame;
+}
+
+// Realised powers of s have poles up to 1e9 times the pace, whose rounding would be as large as the slow eigenvalues.
+// In this frame the fastest stand first, and rows are as large as columns (Osborne 1960): eigenvalues and vectors of
+// such a graded matrix keep their own digits (Barlow, Demmel 1990).
+Frame graded(Frame frame) {
+  const Index size = frame.matrix.rows();
+  Eigen::Matrix<Index, Eigen::Dynamic, 1>& order = frame.order.indices();
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index i, Index k) { return std::abs(frame.matrix(i, i)) > std::abs(frame.matrix(k, k)); });
+  frame.matrix = (frame.order.transpose() * frame.matrix * frame.order).eval();
+  frame.scale = (frame.order.transpose() * frame.scale).eval();
+  constexpr int most_sweeps = 50;
+  Matrix beside = frame.matrix;
+  beside.diagonal().setZero();
+  bool is_balanced = false;
+  for (int sweep = 0; sweep < most_sweeps && !is_balanced; ++sweep) {
+    is_balanced = true;
+    for (Index i = 0; i < size; ++i) {
+      const double column = beside.col(i).lpNorm<1>(), row = beside.row(i).lpNorm<1>();
+      if (!(column > 0 && row > 0)) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (factor == 1) continue;
+      is_balanced = false;
+      beside.col(i) *= factor;
+      beside.row(i) /= factor;
+      frame.scale[i] *= factor;
+    }
+  }
+  beside.diagonal() = frame.matrix.diagonal();
+  frame.matrix = beside;
+  return frame;
+}
+
 // Eigenvectors of a matrix, and their places by rising modulus of the eigenvalue.
 struct Modes {
   explicit Modes(const Matrix& matrix) : all(frac::detail::eigensystem(matrix)) {
@@ -130,27 +178,35 @@ PartedFlight parted(const Matrix& matrix, double pace, double most_skew) {
 
 }  // namespace
 
-LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes, double most_skew)
-    : scale_(sizes) {
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes, double most_skew) {
   const Index size = a.rows();
-  // Powers of two, so that scaling rounds nothing.
-  for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
-  const Eigen::VectorXd& scale = scale_;
-  const PartedFlight flight = parted(scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal(), pace, most_skew);
-  const Matrix& scaled = flight.matrix;
+  Frame frame = graded(in_sizes(a, sizes));
+  const PartedFlight flight = parted(frame.matrix, pace, most_skew);
   const Modes& modes = flight.modes;
   const Index slow = flight.fast.slow;
   const Matrix &columns = flight.fast.columns, &rows = flight.fast.rows;
   const Index fast = size - slow;
   if (fast == 0) {
     // As they are: over a million flights the rounding of a change of basis would add up.
+    frame = in_sizes(a, sizes);
     slow_basis_ = to_slow_ = Matrix::Identity(size, size);
-    slow_ = scaled;
+    slow_ = frame.matrix;
   } else {
-    const Matrix projection = Matrix::Identity(size, size) - columns * rows;
-    slow_basis_ = frac::detail::PivotedQr(projection, 1e-9).basis().leftCols(slow);
-    to_slow_ = slow_basis_.transpose() * projection;
-    slow_ = slow_basis_.transpose() * scaled * slow_basis_;
+    // The slow space as a graph over some of the states: its matrix has no part of the large numbers of fast ones,
+    // whose rounding would be as large as slow motions.
+    const std::vector<Index> pivots = frac::detail::PivotedQr(rows).order();
+    const std::vector<Index> led(pivots.begin(), pivots.begin() + fast), leading(pivots.begin() + fast, pivots.end());
+    using frac::detail::chosen_columns;
+    const Matrix graph = -frac::detail::solve_square(chosen_columns(rows, led), chosen_columns(rows, leading));
+    slow_basis_.resize(size, slow);
+    to_slow_.resize(slow, size);
+    for (Index i = 0; i < fast; ++i) slow_basis_.row(led[static_cast<std::size_t>(i)]) = graph.row(i);
+    for (Index i = 0; i < slow; ++i) {
+      const Index place = leading[static_cast<std::size_t>(i)];
+      slow_basis_.row(place) = Eigen::RowVectorXd::Unit(slow, i);
+      to_slow_.row(i) = Eigen::RowVectorXd::Unit(size, place) - columns.row(place) * rows;
+    }
+    slow_ = flight.matrix(leading, leading) + flight.matrix(leading, led) * graph;
   }
   const Eigen::VectorXcd& values = modes.all.values;
   std::vector<Index> place(static_cast<std::size_t>(size), -1);
@@ -176,8 +232,12 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
     }
     ++k;
   }
-  to_slow_ *= scale.cwiseInverse().asDiagonal();
-  to_fast_ *= scale.cwiseInverse().cast<Complex>().asDiagonal();
+  const Matrix to_frame = frame.scale.cwiseInverse().asDiagonal() * Matrix(frame.order.transpose());
+  scale_ = frame.order * Eigen::VectorXd(frame.scale);
+  slow_basis_ = frame.order * Matrix(slow_basis_);
+  fast_basis_ = frame.order * Eigen::MatrixXcd(fast_basis_);
+  to_slow_ = to_slow_ * to_frame;
+  to_fast_ = to_fast_ * to_frame.cast<Complex>();
 }
 
 LinearFlight::Form LinearFlight::form(const Eigen::RowVectorXd& row) const {
