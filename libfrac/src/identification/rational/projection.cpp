@@ -236,6 +236,10 @@ double price_of_place(const ProjectedData& data) {
   return 2 * std::log(data.log_upper() - data.log_lower() + 2 * search_margin);
 }
 
+double price_of_point(const ProjectedData& data) {
+  return 2 * std::log(static_cast<double>(data.log_omega().size()));
+}
+
 std::vector<double> places(const ProjectedData& data, int count) {
   const double first = data.log_lower() - search_margin, last = data.log_upper() + search_margin;
   std::vector<double> result;

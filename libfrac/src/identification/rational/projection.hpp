@@ -158,6 +158,9 @@ inline constexpr double search_margin = 1.2;
 /// The price of the search for the place of a pole or an arc beside schwarz(), whose k ln n knows of one place only: 2
 /// ln of the number of places that the data tell apart, the e-folds of the band and its margins.
 [[nodiscard]] double price_of_place(const ProjectedData& data);
+/// The same for a pair of poles or a mode, which can be as narrow as the distance between two points and then meets
+/// their noise: its places are the points.
+[[nodiscard]] double price_of_point(const ProjectedData& data);
 
 /// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
 /// the steps: what the data hardly see goes no further than its edge and does not keep the other parameters from going

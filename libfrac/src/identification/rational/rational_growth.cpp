@@ -76,9 +76,9 @@ double schwarz(const RationalProblem& problem, const RationalFit& fit) {
 }
 
 double price_of_search(const RationalProblem& problem, const RationalShape& shape) {
-  const double of_pair = 2 * std::log(static_cast<double>(problem.log_omega().size()));
   double price = 0;
-  for (const PoleFactor& factor : shape.factors) price += factor.pair ? of_pair : price_of_place(problem);
+  for (const PoleFactor& factor : shape.factors)
+    price += factor.pair ? price_of_point(problem) : price_of_place(problem);
   return price;
 }
 
