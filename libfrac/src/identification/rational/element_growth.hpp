@@ -12,8 +12,9 @@ namespace frac::detail {
 /// by element_value().
 using ElementLadder = GrowthLadder<TermFit>;
 
-/// What passive elements in series make: an impedance, a modulus or a compliance, whose real part is nowhere negative,
-/// or the displacement of a structure per force where it acts, whose imaginary part is nowhere positive.
+/// The response that passive elements in series make: an impedance, a modulus or a compliance, whose real part is
+/// nowhere negative, or the displacement of a structure per force where it acts, whose imaginary part is nowhere
+/// positive.
 enum class PassiveResponse { immittance, receptance };
 
 /// The one that the signs of the data leave less of; what they leave is a lower bound of the cost of any such sum.

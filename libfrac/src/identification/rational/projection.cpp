@@ -22,7 +22,7 @@ bool is_in_range(double length) {
   return length >= 1e-100 && length <= 1e100;
 }
 
-/// By least squares.
+/// The least-squares slope of ln|value| over ln omega at the upper end.
 double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd& value) {
   const double half_decade = std::log(10.0) / 2;
   const auto within = std::lower_bound(log_omega.begin(), log_omega.end(), log_omega.back() - half_decade);

@@ -166,7 +166,7 @@ std::vector<RationalFit> RationalGrowth::along(RationalShape from, const std::ve
   return fits;
 }
 
-// Where a response falls by many decades, one pole more is worth nothing under relative residuals until the slope of
+// One pole more, where a response falls by many decades, is worth nothing under relative residuals until the slope of
 // its tail is right: all poles are put to one place, or a spread of it.
 void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& starts) const {
   const std::size_t poles = members_.size();

@@ -80,7 +80,7 @@ class TermProblem : public ProjectedData {
   /// For gauss_newton().
   [[nodiscard]] Eigen::MatrixXcd columns(const TermSum& sum) const;
   [[nodiscard]] Eigen::MatrixXcd derivatives(const TermSum& sum, const Linear& linear) const;
-  [[nodiscard]] Reach reach(const TermSum& sum) const;
+  [[nodiscard]] StepBounds step_bounds(const TermSum& sum) const;
   [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
 };
 
