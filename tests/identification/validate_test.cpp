@@ -127,7 +127,7 @@ TEST(ConsistentModel, WhatOtherWeightsLeaveChangesNoChoice) {
     const auto chosen = frac::detail::best_on_grid(points, known),
                expected = frac::detail::best_on_grid(points, unknown);
     EXPECT_EQ(chosen.grid_poles, expected.grid_poles) << seed;
-    EXPECT_EQ(chosen.reach, expected.reach) << seed;
+    EXPECT_EQ(chosen.margin, expected.margin) << seed;
     ASSERT_EQ(known.cost.size(), unknown.cost.size());
     for (std::size_t i = 0; i < known.cost.size(); ++i) {
       EXPECT_LE(known.cost[i], unknown.cost[i] * (1 + 1e-9)) << seed;

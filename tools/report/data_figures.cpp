@@ -271,7 +271,7 @@ class Drawing {
     };
     for (const Modelled& fit : fits_)
       panel.curves.push_back(curve(fit.drawn.label, fit.drawn.colour, fit.drawn.mark, fit.response));
-    // Where the frequency passes powers of ten, which the plane does not show otherwise.
+    // Points where the frequency passes powers of ten, which the plane does not show otherwise.
     Values re, im, at;
     for (const std::size_t i : points_at_decades(axis_)) {
       re.push_back(data_.value()[i].real());

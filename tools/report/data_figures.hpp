@@ -11,7 +11,7 @@
 
 namespace report {
 
-/// What the pictures of one measured response show.
+/// The pictures of one measured response and their numbers.
 struct MeasuredPictures {
   Figure response;   // data with the three best fits, as the field draws them, and their distance
   Figure residuals;  // of the chosen structure

@@ -39,7 +39,7 @@ std::string frequencies_of(const frac::FrequencyResponseData& data, const std::v
   return text;
 }
 
-/// What a reader asks first: the verdict, the values, and to how much the points belong together.
+/// The answers that a reader asks first: the verdict, the values, and to how much the points belong together.
 std::string headline(const frac::IdentificationResult& result, const frac::ValidationResult& validity,
                      const std::string& unit) {
   std::string line(frac::to_string(result.verdict));

@@ -12,7 +12,7 @@
 
 namespace report {
 
-/// What a measured response is, which decides how readers of its field draw it.
+/// The kind of a measured response, which decides how readers of its field draw it.
 enum class Field {
   automatic,          // told by the names and units of the file
   impedance,          // -Im Z over Re Z beside magnitude and phase over Hz

@@ -8,7 +8,7 @@
 
 namespace report {
 
-/// What the script of the page draws a picture from, as JSON that can stand inside a script element.
+/// The data that the script of the page draws a picture from, as JSON that can stand inside a script element.
 [[nodiscard]] std::string figure_data(const Figure& figure);
 
 /// The script that makes pictures answer, page/figures.js.

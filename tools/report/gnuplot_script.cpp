@@ -125,7 +125,7 @@ std::pair<Range, Range> axis_ranges(const Panel& panel, const Box& box) {
   return {widened(x, unit * box.width), widened(y, unit * box.height)};
 }
 
-// Where the boxes of a figure stand.
+// The boxes of a figure and its size.
 struct Layout {
   std::vector<Box> boxes;
   int width, height;

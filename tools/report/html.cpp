@@ -255,7 +255,7 @@ std::string escape_html(std::string_view text) {
 
 namespace {
 
-/// Where an exponent that begins at `from` ends: a name or number with its sign, or the brackets around it.
+/// The end of an exponent that begins at `from`: a name or number with its sign, or the brackets around it.
 std::size_t end_of_exponent(std::string_view formula, std::size_t from) {
   std::size_t end = from;
   if (end < formula.size() && formula[end] == '(') {

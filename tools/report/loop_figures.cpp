@@ -64,7 +64,7 @@ std::string rounded(double value) {
   return text;
 }
 
-// Of the only mark of a kind, for the key, which has no room for more.
+// Frequency of the only mark of a kind, for the key, which has no room for more.
 std::string frequency_of(const std::vector<double>& omega) {
   if (omega.size() != 1) return {};
   std::array<char, 32> number{};

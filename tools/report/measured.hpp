@@ -13,7 +13,7 @@
 #include "report/figure.hpp"
 #include "report/section.hpp"
 
-/// What the chapters of measured files share, whether they hold frequency responses or samples over time.
+/// Parts that the chapters of measured files share, whether they hold frequency responses or samples over time.
 namespace report {
 
 /// Indices of the points to fit: all of them, or at most 2000 taken evenly.  More points do not change a ranking but

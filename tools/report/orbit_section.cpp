@@ -26,7 +26,7 @@ using backlash::JumpCriterion;
 using backlash::OrbitBranch;
 using backlash::PeriodicOrbit;
 
-// What a branch is called in the key: n impacts in m force periods.
+// The name of a branch in the key: n impacts in m force periods.
 struct Pattern {
   int impacts, period;
   bool symmetric;

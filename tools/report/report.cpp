@@ -43,7 +43,7 @@ class Stages {
  public:
   explicit Stages(const ReportOptions& options) : options_(options) {}
 
-  // What chapters need in common, before them; the body has all threads.
+  // Data that chapters need in common, before them; the body has all threads.
   template <typename Body>
   auto run(const std::string& name, Body body) {
     begin(name);

@@ -29,7 +29,7 @@ struct ReportOptions {
   std::function<void(std::string_view)> stage;  // called at the start of each stage with its name, if given
 };
 
-/// What was written.
+/// The outcome of a report.
 struct ReportOutcome {
   bool pictures;                // false: numbers and text are complete, the figures are missing
   std::string message;          // one or two sentences: where the report is, or what to install for the pictures

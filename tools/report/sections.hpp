@@ -16,7 +16,7 @@
 
 namespace report {
 
-/// What every chapter is computed with.
+/// The inputs of every chapter.
 struct Work {
   Scene scene;
   int threads = 0;

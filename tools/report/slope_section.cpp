@@ -74,7 +74,7 @@ Slopes static_slopes(Quantity quantity, const Scene& scene, const std::vector<do
   return slopes_of(omega, imaginary, [](std::size_t) { return true; });
 }
 
-// What is drawn of a quantity, and the slopes that theory gives it.
+// The curves of a quantity, and the slopes that theory gives it.
 struct Exponents {
   Quantity quantity;
   std::string symbol;

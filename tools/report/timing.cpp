@@ -9,7 +9,7 @@
 namespace report {
 namespace {
 
-// Of the calling thread, s.
+// Processor time of the calling thread, s.
 double processor_time() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -63,7 +63,7 @@ class Step {
     return SegmentPoint{*orbit, std::move(*direction)};
   }
 
-  // Where a function of the points vanishes, given that it changes its sign.
+  // The place where a function of the points vanishes, given that it changes its sign.
   template <typename Function>
   [[nodiscard]] std::optional<std::pair<double, SegmentPoint>> root(const SegmentPoint& to, const Function& f) const {
     const auto along = [&](double distance) -> std::optional<double> {
@@ -226,7 +226,8 @@ class March {
       std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.distance < b.distance; });
       double before = 0;
       for (Found& event : found) {
-        // What is stable between two events of one step is a point of the branch too, and so is the tip of a fold.
+        // An orbit that is stable between two events of one step is a point of the branch too, and so is the tip of a
+        // fold.
         if (before > 0) {
           if (auto between = step.at(0.5 * (before + event.distance))) branch_.points.push_back(std::move(*between));
         }

@@ -182,7 +182,7 @@ std::optional<OrbitSegment> corrected(const OrbitSegment& guess, const Direction
     const Direction step = system.step(-dot(normal, difference(orbit, guess)));
     double size = 0;
     for (const double value : step) {
-      // Where the system is singular the step is not a number.
+      // The step is not a number where the system is singular.
       size = std::isnan(value) ? std::numeric_limits<double>::infinity() : std::max(size, std::abs(value));
     }
     if (!(size < 0.5)) return std::nullopt;

@@ -43,7 +43,7 @@ class NearReturns {
     std::vector<SegmentImpact> impacts;
   };
 
-  /// What follows is another motion.
+  /// The motion that follows is another one.
   void begin() { met_.clear(); }
   /// Distance of the nearest return there.
   double add(const SegmentImpact& to) {

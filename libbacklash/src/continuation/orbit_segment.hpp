@@ -55,7 +55,7 @@ using Direction = std::vector<double>;
 
 /// Phasor U_k of u for k = 1, 2, ...; even ones vanish for symmetric orbits.
 [[nodiscard]] std::complex<double> harmonic(const OrbitSegment& orbit, int k);
-/// The same orbit with the phase of its first impact in [0, 2 pi).
+/// The orbit with the phase of its first impact in [0, 2 pi).
 [[nodiscard]] OrbitSegment with_reduced_phase(OrbitSegment orbit);
 /// The twin 1 - u(tau + pi).
 [[nodiscard]] OrbitSegment mirror_image(const OrbitSegment& orbit);

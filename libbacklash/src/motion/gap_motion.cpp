@@ -223,7 +223,7 @@ FRACFIT_INLINE inline void GapMotion::fly_to_and_fro(const GapState& start, doub
   }
 }
 
-// The same code for processors with and without fused multiply-add.
+// One code for processors with and without fused multiply-add.
 Flight GapMotion::next_flight(GapState& state) const noexcept {
   return frac::detail::with_fused_operations([&]() FRACFIT_INLINE { return flight_from(state); });
 }

@@ -65,7 +65,7 @@ Complex short_flight_integral(const GapState& start, const Flight& flight, int k
   return sum;
 }
 
-// The same by two integrations by parts: exact, but its terms are larger than the sum by 1/h^2.
+// The integral by two integrations by parts: exact, but its terms are larger than the sum by 1/h^2.
 Complex long_flight_integral(const GapState& start, const Flight& flight, int k) noexcept {
   const double h = flight.duration;
   const double sin_h = std::sin(h);

@@ -28,7 +28,7 @@ inline constexpr double half_pi = pi / 2;
   return share <= 0.5 ? root : 1 - root;
 }
 
-/// The same for the cubic that begins with `slope` (in lengths per piece), by one Newton step from a blend of its cases
+/// The root of the cubic that begins with `slope` (in lengths per piece), by one Newton step from a blend of its cases
 /// slope 0 and 2.
 [[gnu::always_inline]] inline double fraction_before_rest(double y, double slope) noexcept {
   const double share = std::clamp(y, 0.0, 1.0);
@@ -69,7 +69,7 @@ inline constexpr double half_pi = pi / 2;
   return (base + turns) + (reduced + std::copysign(shift, reduced));
 }
 
-/// What the motion after a start is made of: distance(h) = middle + drift h - strength sin(s + h), velocity(h) = drift
+/// The parts of the motion after a start: distance(h) = middle + drift h - strength sin(s + h), velocity(h) = drift
 /// - strength cos(s + h).
 struct FlightTerms {
   double middle;

@@ -7,7 +7,7 @@
 
 namespace backlash::detail {
 
-/// What is neglected of the integral of u where a chatter is cut off.
+/// The part of the integral of u that is neglected where a chatter is cut off.
 inline constexpr double neglected_tail = 1e-13;
 
 /// The scene of a simulation in dimensionless form.

@@ -23,7 +23,7 @@ Fall fall(double distance, double rate, double acceleration) {
   const double square = rate * rate - 2 * acceleration * distance;
   if (square < 0 || (rate >= 0 && acceleration >= 0)) return {never, 0};
   const double speed = std::sqrt(square);
-  // Of the two forms of the root that one without cancellation.
+  // The one of the two forms of the root without cancellation.
   return {rate < 0 ? 2 * distance / (speed - rate) : (rate + speed) / -acceleration, speed};
 }
 

@@ -27,7 +27,7 @@ struct Displacement {
   double velocity;
 };
 
-/// What one flight and its impact make of it.
+/// The displacement after one flight and its impact.
 [[nodiscard]] inline Displacement pushed(const Displacement& before, const GapMotion& motion, const GapState& start,
                                          const Flight& flight, const GapState& end) noexcept {
   // In the coordinate of the wall the flight starts from, with accelerations a0, a1 at its ends and impact velocity v1:

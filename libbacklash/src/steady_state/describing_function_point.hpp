@@ -15,7 +15,7 @@ inline constexpr double free_force = 1e-30;
 [[nodiscard]] DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, double gamma, Output output,
                                                const SteadyState& steady);
 
-/// What a mean is to be known to by these options.
+/// The accuracy of a mean that these options ask for.
 [[nodiscard]] MeanGoal mean_goal(const TwoMassSystem& system, double gamma, const SweepOptions& options);
 
 /// @throws std::invalid_argument  tolerance, mean_tolerance or threads out of range.

@@ -36,7 +36,7 @@ double constant_at(double gamma) {
   return 1 / std::sqrt(gamma);
 }
 
-/// What happens at the end of an orbit, and what that means without dissipation.
+/// The event at the end of an orbit, and what it means without dissipation.
 std::string told(const std::string& end, double restitution) {
   if (restitution != 1) return end;
   return end + "; without dissipation it is neutrally stable above, and no motion is attracted to it";

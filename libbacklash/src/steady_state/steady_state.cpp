@@ -354,7 +354,7 @@ class LongRun {
            (!is_forgotten && (is_quick_ || goal_.transients == Transients::outlasted));
   }
 
-  /// Of a small disturbance within the window, as a logarithm.
+  /// Growth of a small disturbance within the window, as a logarithm.
   [[nodiscard]] double growth() const {
     return window_.records().back().log_growth - window_.records().front().log_growth;
   }
@@ -363,7 +363,7 @@ class LongRun {
     SteadyState steady = averaged(window_.records(), motion_);
     steady.end = last_peak_;
     steady.periods_followed = static_cast<double>(periods_);
-    // What attracts nothing, at restitution 1, has no transients.
+    // A motion that attracts nothing, at restitution 1, has no transients.
     steady.transient_possible = lost_ > 0 && (window_.empty() || periods_ < longest_transient(lost_) ||
                                               longest_transient(lost_) == most_periods || growth() < certain_growth);
     return steady;
@@ -406,8 +406,8 @@ class LongRun {
                            averaged(window_.records(), motion_));
   }
 
-  /// What follows a rest depends on nothing before it, and velocity jumps do not describe one: a window that would be
-  /// complete within the rest is given up like any other.
+  /// The motion after a rest depends on nothing before it, and velocity jumps do not describe one: a window that would
+  /// be complete within the rest is given up like any other.
   void skip_rest() {
     const GapState release = motion_.release_after(state_);
     while (release.half_period >= next_peak_) pass_peak(state_.wall, {0, 0});

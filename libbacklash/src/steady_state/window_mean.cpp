@@ -131,7 +131,7 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
     steady.harmonics = {};
     steady.harmonics.u[0] = -gamma;
   }
-  // By as much the ends of a motion that does not close move its mean: two integrations by parts leave (u + j u')/(pi
+  // The ends of a motion that does not close move its mean by as much: two integrations by parts leave (u + j u')/(pi
   // periods) at each.  A slow drift has them the same in every batch, where scatter cannot show them.
   const double drift = (std::abs(last.strobe.position - first.strobe.position) +
                         std::abs(last.strobe.position_rate - first.strobe.position_rate)) /

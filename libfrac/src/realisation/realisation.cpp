@@ -12,26 +12,6 @@
 #include "realisation_checks.hpp"
 
 namespace frac {
-namespace {
-
-void validate_as(const ExactRealisation&) {}
-
-void validate_as(const OustaloupRealisation& realisation) {
-  detail::check_oustaloup(realisation.band, realisation.poles);
-}
-
-void validate_as(const GrunwaldLetnikovRealisation& realisation) {
-  if (!(std::isfinite(realisation.sample_time) && realisation.sample_time > 0)) {
-    throw std::invalid_argument("grunwald-letnikov: sample_time = " + detail::number_text(realisation.sample_time) +
-                                " s is not positive and finite");
-  }
-  detail::check_memory_length(realisation.memory_length, "grunwald-letnikov");
-}
-
-// Its constructor has checked it.
-void validate_as(const LadderRealisation&) {}
-
-}  // namespace
 
 LadderRealisation::LadderRealisation(FrequencyBand band, int poles) : band_(band), poles_(poles) {
   constexpr double fewest_decades = 0.5;
@@ -57,8 +37,17 @@ LadderRealisation::LadderRealisation(FrequencyBand band, int poles) : band_(band
   table_ = std::make_shared<const detail::LadderTable>(width / 2, poles);
 }
 
+// There is nothing to check of an exact realisation; a ladder is checked by its constructor.
 void validate(const Realisation& realisation) {
-  std::visit([](const auto& choice) { validate_as(choice); }, realisation);
+  if (const auto* oustaloup = std::get_if<OustaloupRealisation>(&realisation)) {
+    detail::check_oustaloup(oustaloup->band, oustaloup->poles);
+  } else if (const auto* difference = std::get_if<GrunwaldLetnikovRealisation>(&realisation)) {
+    if (!(std::isfinite(difference->sample_time) && difference->sample_time > 0)) {
+      throw std::invalid_argument("grunwald-letnikov: sample_time = " + detail::number_text(difference->sample_time) +
+                                  " s is not positive and finite");
+    }
+    detail::check_memory_length(difference->memory_length, "grunwald-letnikov");
+  }
 }
 
 std::string to_string(const Realisation& realisation) {

@@ -49,7 +49,7 @@ class CycleBranches {
 
 /// Adds an interval, its ends in any order, to rising ones; those that touch become one.
 void add_interval(std::vector<ParameterInterval>& intervals, double from, double to);
-/// What rising intervals have outside of others.
+/// The parts of rising intervals outside of others.
 [[nodiscard]] std::vector<ParameterInterval> without(const std::vector<ParameterInterval>& intervals,
                                                      const std::vector<ParameterInterval>& others);
 

@@ -61,7 +61,7 @@ Bounds dominated(const Terms& terms) {
   return bounds;
 }
 
-// By rising order; roots in x = ln w.
+// Terms by rising order; roots in x = ln w.
 std::vector<double> log_roots(const Terms& terms) {
   const bool has_one_sign = std::all_of(terms.begin(), terms.end(), [&](const frac::PowerTerm& term) {
     return (term.coefficient > 0) == (terms.front().coefficient > 0);

@@ -58,7 +58,7 @@ double angle_of(double real_part) {
   // There the excess is below 0, as sin(theta) > theta - theta^3/6.
   const double low = std::sqrt(3 * (2 * real_part - 1) / (2 * real_part));
   if (!(excess(low) < 0)) return low;
-  // Of numbers above 1e16 the angle is pi to rounding.
+  // The angle of numbers above 1e16 is pi to rounding.
   if (!(excess(pi) > 0)) return pi;
   const auto [from, to] =
       boost::math::tools::toms748_solve(excess, low, pi, boost::math::tools::eps_tolerance<double>(52), evaluations);
@@ -73,7 +73,7 @@ class Predictions {
     return {[this](double omega) { return answer_of(loop_, omega); }, force_periods};
   }
 
-  /// What is said of a motion that solves the equations.
+  /// The description of a motion that solves the equations.
   [[nodiscard]] PredictedCycle cycle(const CycleEquations& equations, const ClosedMotion& motion, bool symmetric,
                                      int force_periods = 1) const {
     const double omega = 2 * pi * force_periods / motion.period;

@@ -29,13 +29,13 @@ struct ClosedMotion {
   double phase = 0;  // under a sine force: of what it does to x2 - x1, at the first impact
 };
 
-/// What a sine force of its own does to x2 - x1: amplitude cos(force_periods 2 pi t/period + phase).
+/// The effect of a sine force of its own on x2 - x1: amplitude cos(force_periods 2 pi t/period + phase).
 struct ForcedGap {
   double amplitude;   // m
   int force_periods;  // per period of the motion
 };
 
-/// What a sine force adds that answers to the fundamental of the impulses: F G2 = answer times it.
+/// The addition of a sine force that answers to the fundamental of the impulses: F G2 = answer times it.
 struct FundamentalAnswer {
   std::function<std::complex<double>(double omega)> answer;
   int force_periods = 1;  // per period of the motion

@@ -222,7 +222,7 @@ int roots_beyond(const Characteristic& characteristic, double edge, std::optiona
   } else {
     path.emplace_back(edge, 0);
   }
-  // Of a smooth function every second one is the middle of its neighbours.
+  // Every second value of a smooth function is the middle of its neighbours.
   if (!characteristic.is_smooth()) {
     for (std::size_t i = 1; i < path.size(); i += 2)
       path.insert(path.begin() + static_cast<std::ptrdiff_t>(i), 0.5 * (path[i - 1] + path[i]));
@@ -397,7 +397,7 @@ CycleStability cycle_stability(const ImpulseAnswer& response, const ImpulseTrain
                                bool is_forced) {
   const Judgement judgement = stability_by(WholePeriod(response, train, times, bend, exchange, !is_forced));
   CycleStability result = judgement.stability;
-  // Of so many impacts the search from a few points may lead past the largest.
+  // The search from a few points may lead past the largest of so many impacts.
   if (result.stable && times.size() > 6 && !judgement.is_certain) result.dominant = NAN;
   if (result.loss == StabilityLoss::symmetry_breaking) result.loss = StabilityLoss::period_doubling;
   return result;

@@ -32,7 +32,7 @@ std::array<double, boole_order> boole_coefficients() {
   return e;
 }
 
-// What remains of sum (-1)^n (n + v)^power from n = 0 on where v is large: Boole's expansion.
+// The remainder of sum (-1)^n (n + v)^power from n = 0 on where v is large: Boole's expansion.
 template <typename Real>
 Real boole_rest(double power, Real v, Real v_to_the_power) {
   static const std::array<double, boole_order> e = boole_coefficients();

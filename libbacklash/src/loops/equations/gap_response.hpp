@@ -18,7 +18,7 @@ struct PowerPart {
   double delay;
 };
 
-/// What the gap does after an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
+/// The answer of the gap to an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
 /// the controller's answer in it.  With the load measured and a controller that is a sum of powers g is one too;
 /// otherwise originals of images are added, and of bodies that are no free masses too.
 struct ImpulseAnswer {
@@ -87,8 +87,8 @@ class ImpulseTrain {
 
 /// sum_(l >= 1) (-1)^l g'(l tau): the cheap part of `sums` at z = 1 that decides the frequency of a cycle.
 [[nodiscard]] double rate_before_impact(const ImpulseAnswer& response, double half_period);
-/// The same to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers; to 1e-3 of it where
-/// g has images, at a third of the cost.
+/// The answer to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers; to 1e-3 of it
+/// where g has images, at a third of the cost.
 [[nodiscard]] double rough_rate_before_impact(const ImpulseAnswer& response, double half_period);
 
 }  // namespace backlash::detail

@@ -15,9 +15,9 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
-// What limits the strip about the path: the cut, at the angle pi/2, and the line of angle 0, beyond which the integrand
-// grows.  Towards that the rule errs by e^{-2 pi 0.6/step} = 4e-17.  The other side is wider, as images of masses are
-// as large as s^-5 near the origin, the tip of the cut.
+// The limits of the strip about the path: the cut, at the angle pi/2, and the line of angle 0, beyond which the
+// integrand grows.  Towards that the rule errs by e^{-2 pi 0.6/step} = 4e-17.  The other side is wider, as images of
+// masses are as large as s^-5 near the origin, the tip of the cut.
 constexpr double lowest_angle = 0.6;
 constexpr double highest_angle = 0.7;
 constexpr double nothing = 1e-18;

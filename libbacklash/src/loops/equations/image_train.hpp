@@ -26,7 +26,7 @@ struct ImagePart {
   double delay;
 };
 
-/// What a train of impulses leaves at one time after an impact, and its derivative by that time.
+/// The sum that a train of impulses leaves at one time after an impact, and its derivative by that time.
 struct TrainWave {
   double value;
   double slope;
@@ -59,7 +59,7 @@ class ImageTrain {
   [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
   /// The second of `sums` at z = 1.
   [[nodiscard]] static double rate(const ImagePart& part, double tau);
-  /// The same to 1e-6 of its parts, at a third of the cost; empty where they leave less than a thousandth.
+  /// The sum to 1e-6 of its parts, at a third of the cost; empty where they leave less than a thousandth.
   [[nodiscard]] static std::optional<double> rough_rate(const ImagePart& part, double tau);
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative, from t = earliest tau on.

@@ -40,7 +40,7 @@ class ZetaTerms {
     for (int i = 0; i <= terms; ++i) power_[static_cast<std::size_t>(i)] *= i + v_;
     s_ -= 1;
   }
-  /// By Euler-Maclaurin, for -5 < s.  The terms are as large as 6^5, which long double bears.
+  /// The sum by Euler-Maclaurin, for -5 < s.  The terms are as large as 6^5, which long double bears.
   [[nodiscard]] long double sum() const {
     long double sum = 0;
     for (std::size_t i = 0; i < terms; ++i) sum += power_[i];

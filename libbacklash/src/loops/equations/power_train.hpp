@@ -35,7 +35,7 @@ class PowerTrain {
   [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const {
     return (*this)(TrainPoint(u));
   }
-  /// What is left at u = 0 without the singular part: zeta(j - a, v).
+  /// The value at u = 0 without the singular part: zeta(j - a, v).
   [[nodiscard]] std::array<double, 3> at_origin() const;
 
   /// P_j without its singular part, which is that of P_0, `mean`, times (-u)^j/(a (a - 1) ... (a - j + 1)); |u| < 2 pi.

@@ -25,7 +25,7 @@ using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
-// Of fractional powers while a motion is followed; closed orbits are solved without them.
+// Tolerance of fractional powers while a motion is followed; closed orbits are solved without them.
 constexpr double realisation = 1e-9;
 // Force periods: before returns are looked for, between two looks, of the longest orbit, left to the transient of a
 // mean, of its window, and without an impact until there is none to come.
@@ -33,9 +33,9 @@ constexpr std::size_t first_look = 24, look_interval = 8, longest_period = 32, t
                       first_judged = 128, quiet_periods = 64;
 constexpr std::size_t most_impacts_closed = 24;
 constexpr std::size_t most_impacts = 300'000;
-// Of the state, over clearance and omega: near enough for Newton's method.
+// Distance of states, over clearance and omega: near enough for Newton's method.
 constexpr double near_return = 1e-4;
-// Of the phasor, over its size: orbits with rests are followed until they repeat.
+// Change of the phasor, over its size: orbits with rests are followed until they repeat.
 constexpr double repeated = 1e-9;
 
 struct Peak {
@@ -139,7 +139,7 @@ class Follower {
         if (back(i).has_contact) return std::nullopt;
       }
       if (const auto point = closed(p, count)) return point;
-      // What led nowhere is left alone for as long again.
+      // A guess that led nowhere is not tried for as long again.
       wait_until_ = 2 * peaks_.size();
       return std::nullopt;
     }
@@ -194,7 +194,7 @@ class Follower {
     const bool is_symmetric = turns == 1 && motion.shares.size() == 2 && point.even_harmonic_ratio < 1e-9;
     point.regime = is_symmetric ? Regime::symmetric : Regime::periodic;
     if (is_symmetric) point.even_harmonic_ratio = 0;
-    // What the sums and the last step leave, and what a weak attraction makes of it.
+    // The error that the sums and the last step leave, and what a weak attraction makes of it.
     point.uncertainty = (1e-11 + error) * std::abs(point.value) / std::max(1e-6, 1 - multiplier);
     point.lyapunov_exponent = std::log(multiplier) / turns;
     return point;

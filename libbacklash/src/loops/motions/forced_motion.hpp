@@ -7,7 +7,7 @@
 
 namespace backlash::detail {
 
-/// What a motion under a force of given frequency comes to.
+/// The end of a motion under a force of given frequency.
 struct ForcedMotion {
   DescribingFunctionPoint point;
   LoopStart end;  // where the motion was last at a peak of the force

@@ -19,7 +19,7 @@ class LinearFlight {
   /// @param most_skew  size of the left eigenvectors, over those of orthogonal modes, up to which fast modes are told
   ///                   apart; flights lose as many digits, and those of modes that stay together take shorter steps
   LinearFlight(const Eigen::MatrixXd& a, double pace, const Eigen::VectorXd& sizes, double most_skew = realised_skew);
-  /// Of realised powers of s, which err by more than such flights.
+  /// The `most_skew` for realised powers of s, which err by more than such flights.
   static constexpr double realised_skew = 1e6;
 
   /// A linear form of the state, as the modes see it.

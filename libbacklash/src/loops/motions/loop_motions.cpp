@@ -77,7 +77,7 @@ double growth_beside(detail::LoopRun run, const detail::RealisedLoop& loop) {
   return counted > rounds / 4 ? logarithm / (counted * 2 / loop.pace()) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// What a motion does until it repeats or has had its number of impacts.
+// A motion until it repeats or has had its number of impacts.
 struct Followed {
   std::vector<LoopImpact> impacts;
   std::vector<detail::LoopRun> releases;        // right after each, the last ones
@@ -86,7 +86,7 @@ struct Followed {
   bool is_quiet = false;
 };
 Followed follow(detail::LoopRun& run, const detail::RealisedLoop& realised, std::size_t most_impacts) {
-  // Of releases that are kept, twice as many as a pattern has and one.
+  // Number of releases that are kept: twice as many as a pattern has and one.
   constexpr std::size_t most_kept = 25;
   Followed result;
   double last = 0;
@@ -238,7 +238,7 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
     }
     result.motions.push_back(motion);
   }
-  // By rising frequency.
+  // Cycles by rising frequency.
   std::vector<std::size_t> order(result.cycles.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(),

@@ -56,7 +56,7 @@ class LoopRun {
  private:
   static constexpr std::int64_t most_flights = 20'000'000;
 
-  // What happens at a time that is known.
+  // Events at a time that is known.
   struct Planned {
     double time;
     enum class Kind { twin_starts, twin_jumps, set_point_starts, set_point_bends } kind;

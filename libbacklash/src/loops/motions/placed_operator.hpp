@@ -12,7 +12,7 @@
 
 namespace backlash::detail {
 
-/// What friction and springs make of a position: 1/G - M s^2; empty where that is nothing.
+/// The force of friction and springs at a position: 1/G - M s^2; empty where that is nothing.
 [[nodiscard]] std::optional<frac::FractionalTransferFunction> resistance(
     const frac::FractionalTransferFunction& receptance, double mass);
 
@@ -25,7 +25,7 @@ struct PlacedOperator {
 
   /// Number of its states.
   [[nodiscard]] Eigen::Index size() const;
-  /// What it makes of a signal with that position and velocity.
+  /// Its value for a signal with that position and velocity.
   [[nodiscard]] Row output(const Row& position, const Row& velocity) const;
   /// Its rows of the matrix of x' = A x.
   void fill(Eigen::MatrixXd& a, const Row& position, const Row& velocity, const Row& acceleration) const;

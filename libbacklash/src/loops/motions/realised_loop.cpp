@@ -115,7 +115,7 @@ RealisedLoop::Row RealisedLoop::unit(Index i) const {
 std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   const double mass1 = system_.mass1(), mass2 = system_.mass2();
   const Row none = Row::Zero(size_);
-  // What the controller follows.
+  // The signal that the controller follows.
   const Index followed = is_driven_ ? Index{x2} : has_twin() ? twin_ : Index{x1};
   Row error = -unit(followed);
   Row error_rate = -unit(followed + 1);

@@ -22,7 +22,7 @@ struct SineForce {
   double omega;      // rad/s
 };
 
-/// Where the rigid loop crosses over, from above, rad/s; 1 where it never does.
+/// Frequency at which the rigid loop crosses over, from above, rad/s; 1 where it never does.
 [[nodiscard]] double crossover(const ControlLoop& loop);
 
 /// The loop as x' = A x between impacts, with one A for each combination of limited force and contact.  The bodies are

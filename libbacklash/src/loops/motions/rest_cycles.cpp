@@ -28,8 +28,8 @@ class ReleaseMap {
  public:
   ReleaseMap(const RealisedLoop& loop, const RestPattern& pattern)
       : pattern_(pattern), sizes_(loop.sizes()), start_(pattern.release.state().cwiseQuotient(sizes_)) {
-    // What a state right after a release may not change: gap, its rate, and its acceleration in flight, which is that
-    // of the contact's force.
+    // Parts of a state right after a release that may not change: gap, its rate, and its acceleration in flight, which
+    // is that of the contact's force.
     MatrixXd held = MatrixXd::Zero(sizes_.size(), 3);
     held(0, 0) = held(1, 1) = -1;
     held(2, 0) = held(3, 1) = 1;

@@ -63,7 +63,7 @@ DescribingFunctionPoint SymmetricForcedOrbit::point(Output output, const CycleSt
   point.regime = Regime::symmetric;
   point.period = 1;
   point.impacts_per_period = 2;
-  // What the inverse transform leaves of the sums, where they cancel least favourably.
+  // The error that the inverse transform leaves of the sums, where they cancel least favourably.
   point.uncertainty = 1e-11 * std::abs(point.value);
   point.third_harmonic_ratio = std::abs(body.response(3 * omega_)) * kick / std::abs(read);
   point.even_harmonic_ratio = 0;

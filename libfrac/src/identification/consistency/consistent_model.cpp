@@ -65,12 +65,12 @@ double aicc(const Problem& problem, double cost, Eigen::Index parameters) {
 ConsistentModel made(const Problem& problem, const Eigen::MatrixXcd& tangent) {
   throw_if_cancelled();
   ConsistentModel model;
-  model.rest.orthonormal = PlainQr(rows(problem.weighted(tangent))).basis();
+  model.projected.orthonormal = PlainQr(rows(problem.weighted(tangent))).basis();
   return model;
 }
 
 void take_residual(const Problem& problem, const Eigen::VectorXd& residual, ConsistentModel& model) {
-  model.rest.residual = residual;
+  model.projected.residual = residual;
   model.value.resize(problem.size());
   for (Eigen::Index k = 0; k < problem.size(); ++k)
     model.value(k) = problem.value(k) - Complex(residual(2 * k), residual(2 * k + 1)) / problem.weight(k);
@@ -89,12 +89,12 @@ Eigen::ArrayXcd reciprocals(const Eigen::VectorXcd& s, Complex pole) {
 }
 
 /// Ends and poles, unweighted.
-Eigen::MatrixXcd grid_columns(const Problem& problem, Eigen::Index poles, double reach) {
+Eigen::MatrixXcd grid_columns(const Problem& problem, Eigen::Index poles, double margin) {
   Eigen::MatrixXcd columns(problem.size(), ends + poles);
   columns.col(0).setOnes();
   columns.col(1) = problem.s;
   columns.col(2) = problem.s.cwiseInverse();
-  const double first = problem.log_omega(0) - reach, last = problem.log_omega(problem.size() - 1) + reach;
+  const double first = problem.log_omega(0) - margin, last = problem.log_omega(problem.size() - 1) + margin;
   for (Eigen::Index i = 0; i < poles; ++i) {
     const double corner =
         std::exp(first + (last - first) * (static_cast<double>(i) + 0.5) / static_cast<double>(poles));
@@ -166,7 +166,7 @@ struct FreeFit {
   Eigen::VectorXd coefficients;  // of what stays in the model, then of the poles
   double cost = std::numeric_limits<double>::infinity();
 
-  /// Of the space of the first columns; the last of these belong to the poles.
+  /// The fit in the space of the first columns; the last of these belong to the poles.
   FreeFit(Poles at, const Triangle& triangle, Eigen::Index columns)
       : poles(std::move(at)), coefficients(triangle.solution(columns)) {
     if (coefficients.allFinite()) cost = triangle.squared_distance(columns);
@@ -305,7 +305,7 @@ Eigen::Index parameters_of(const Problem& problem, Eigen::Index fixed, const Fre
   return fixed + 2 * fit.width() + narrow;
 }
 
-ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) {
+ConsistentModel converged(const Problem& problem, Eigen::Index grid, FreeFit fit) {
   const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
   descend(problem, fixed, fit, 10);
   const Eigen::MatrixXcd tangent = beside(fixed, tangent_of(problem, fit));
@@ -319,19 +319,20 @@ ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) 
   return model;
 }
 
-ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach) {
-  ConsistentModel model = made(problem, grid_columns(problem, poles, reach));
-  const Eigen::MatrixXd& q = model.rest.orthonormal;
+ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double margin) {
+  ConsistentModel model = made(problem, grid_columns(problem, poles, margin));
+  const Eigen::MatrixXd& q = model.projected.orthonormal;
   take_residual(problem, problem.target - q * (q.transpose() * problem.target), model);
   model.grid_poles = static_cast<std::size_t>(poles);
-  model.reach = reach;
-  model.criterion = aicc(problem, model.rest.square(), q.cols());
+  model.margin = margin;
+  model.criterion = aicc(problem, model.projected.square(), q.cols());
   return model;
 }
 
-double cost_on_grid(const Problem& problem, Eigen::Index poles, double reach) {
+double cost_on_grid(const Problem& problem, Eigen::Index poles, double margin) {
   throw_if_cancelled();
-  return Triangle(problem.weighted(grid_columns(problem, poles, reach)), problem.target).squared_distance(ends + poles);
+  return Triangle(problem.weighted(grid_columns(problem, poles, margin)), problem.target)
+      .squared_distance(ends + poles);
 }
 
 // A smaller difference in AICc does not tell candidates apart.  The richer one is then taken: too poor a model raises a
@@ -340,17 +341,17 @@ constexpr double alike = 2;
 
 struct Candidate {
   Eigen::Index poles;
-  double reach;
+  double margin;
 };
 
 std::vector<Candidate> candidates_of(const Problem& problem) {
   const double decade = std::log(10.0), band = problem.log_omega(problem.size() - 1) - problem.log_omega(0);
   std::vector<Candidate> candidates;
-  for (const double reach : {0.0, decade}) {
-    const auto densest = static_cast<Eigen::Index>(6 * (band + 2 * reach) / decade) + 2;
+  for (const double margin : {0.0, decade}) {
+    const auto densest = static_cast<Eigen::Index>(6 * (band + 2 * margin) / decade) + 2;
     const Eigen::Index most = std::min(densest, problem.target.size() / 2 - ends);
     for (Eigen::Index poles = 0; poles <= most; poles += std::max<Eigen::Index>(1, poles / 6))
-      candidates.push_back({poles, reach});
+      candidates.push_back({poles, margin});
   }
   return candidates;
 }
@@ -376,7 +377,7 @@ ConsistentModel best_on_grid(const WeightedPoints& points, GridCosts& costs) {
   std::size_t looked_at = 0;
   for (; looked_at < order.size() && criterion(order[looked_at]) <= least + alike; ++looked_at) {
     const std::size_t i = order[looked_at];
-    costs.cost[i] = cost_on_grid(problem, candidates[i].poles, candidates[i].reach);
+    costs.cost[i] = cost_on_grid(problem, candidates[i].poles, candidates[i].margin);
     least = std::min(least, criterion(i));
   }
   order.resize(looked_at);
@@ -384,11 +385,11 @@ ConsistentModel best_on_grid(const WeightedPoints& points, GridCosts& costs) {
   Candidate best{0, 0};
   for (const std::size_t i : order)
     if (criterion(i) <= least + alike && candidates[i].poles >= best.poles) best = candidates[i];
-  return on_grid(problem, best.poles, best.reach);
+  return on_grid(problem, best.poles, best.margin);
 }
 
-ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach) {
-  return on_grid(Problem(points), static_cast<Eigen::Index>(poles), reach);
+ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double margin) {
+  return on_grid(Problem(points), static_cast<Eigen::Index>(poles), margin);
 }
 
 ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<const std::size_t> pair_counts) {
@@ -416,13 +417,13 @@ ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<con
     GridCosts unknown;
     return best_on_grid(points, unknown);
   }
-  return settled(problem, chosen_grid, std::move(chosen));
+  return converged(problem, chosen_grid, std::move(chosen));
 }
 
 ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model) {
   const Problem problem(points);
   const auto grid = static_cast<Eigen::Index>(model.grid_poles);
-  return settled(problem, grid, fit_at(problem, grid_columns(problem, grid, 0), model.free_poles));
+  return converged(problem, grid, fit_at(problem, grid_columns(problem, grid, 0), model.free_poles));
 }
 
 }  // namespace frac::detail

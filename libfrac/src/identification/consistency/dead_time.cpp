@@ -22,8 +22,8 @@ FrequencyResponseData without_dead_time(const FrequencyResponseData& data, doubl
 
 namespace {
 
-/// Of a system without dead time over this band, divided by the size of each point: real poles, and pairs with 0.3 and
-/// 0.1 of the critical damping, which the phase of a resonance needs and a dead time would else make up for.
+/// Columns of a system without dead time over this band, divided by the size of each point: real poles, and pairs with
+/// 0.3 and 0.1 of the critical damping, which the phase of a resonance needs and a dead time would else make up for.
 Eigen::MatrixXd prompt_columns(const std::vector<double>& omega, const Eigen::VectorXd& size) {
   using Complex = std::complex<double>;
   const double low = std::log(omega.front()), high = std::log(omega.back()), decades = (high - low) / std::log(10.0);
@@ -106,22 +106,22 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
     cosines.col(j) = turn.real();
     sines.col(j) = turn.imag();
   }
-  std::vector<double> rest;
-  for (Eigen::Index middle = aside; rest.size() <= most_steps; middle += 2 * aside + 1) {
+  std::vector<double> costs;
+  for (Eigen::Index middle = aside; costs.size() <= most_steps; middle += 2 * aside + 1) {
     const Eigen::VectorXcd here = prompt.cwiseProduct(turns(static_cast<double>(middle) * step));
     const Eigen::VectorXd real = here.real(), imaginary = here.imag();
     const Eigen::MatrixXd kept = of_real * real.asDiagonal() + of_imaginary * imaginary.asDiagonal();
     const Eigen::MatrixXd reversed = of_imaginary * real.asDiagonal() - of_real * imaginary.asDiagonal();
     const Eigen::MatrixXd even = kept * cosines, odd = reversed * sines;
-    for (Eigen::Index j = aside; j-- > 0;) rest.push_back(left(even.col(j) - odd.col(j)));
-    rest.push_back(left(kept.rowwise().sum()));
-    for (Eigen::Index j = 0; j < aside; ++j) rest.push_back(left(even.col(j) + odd.col(j)));
+    for (Eigen::Index j = aside; j-- > 0;) costs.push_back(left(even.col(j) - odd.col(j)));
+    costs.push_back(left(kept.rowwise().sum()));
+    for (Eigen::Index j = 0; j < aside; ++j) costs.push_back(left(even.col(j) + odd.col(j)));
   }
-  const double undelayed = rest.front();
+  const double undelayed = costs.front();
   const auto freedom = static_cast<double>(2 * points - basis.cols());
   std::vector<DeadTime> found;
   for (std::size_t i = 1; i < most_steps; ++i) {
-    if (!(rest[i] < rest[i - 1] && rest[i] <= rest[i + 1])) continue;
+    if (!(costs[i] < costs[i - 1] && costs[i] <= costs[i + 1])) continue;
     // To a thousandth of a step.
     constexpr int bits = 10;
     const auto [offset, here] = boost::math::tools::brent_find_minima(

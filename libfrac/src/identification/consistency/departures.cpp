@@ -74,7 +74,8 @@ MainsFound found_at_mains(const Fitted& fitted, double mains) {
   }
   MainsFound found;
   for (auto& points : sets) {
-    const double chance = std::min(1.0, static_cast<double>(sets.size()) * excess_chance(fitted.model.rest, points));
+    const double chance =
+        std::min(1.0, static_cast<double>(sets.size()) * excess_chance(fitted.model.projected, points));
     if (std::isnan(found.p_value) || chance < found.p_value) found = {chance, std::move(points)};
   }
   return found;
@@ -83,7 +84,7 @@ MainsFound found_at_mains(const Fitted& fitted, double mains) {
 }  // namespace
 
 AddedColumn drift_of(const FrequencyResponseData& data, const Fitted& fitted, ValidityTest law) {
-  return added_column(fitted.model.rest, drift_column(data, fitted, law));
+  return added_column(fitted.model.projected, drift_column(data, fitted, law));
 }
 
 Eigen::Index neighbourhood(Eigen::Index points) {
@@ -116,16 +117,16 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
   Tested result;
   result.p_value.fill(nan);
   result.counts.fill(true);
-  const auto& rest = fitted.model.rest;
+  const auto& projected = fitted.model.projected;
   const auto points = static_cast<Eigen::Index>(fitted.kept.size());
   const bool seen = rms_of_residuals(fitted) > accuracy;
 
   const std::array next{1.0};
-  const auto short_range = correlation_test(rest, next);
+  const auto short_range = correlation_test(projected, next);
   std::vector<double> wide;
-  const auto reach = static_cast<std::size_t>(neighbourhood(points));
-  for (std::size_t l = 1; l <= reach; ++l) wide.push_back(1 - static_cast<double>(l) / static_cast<double>(reach + 1));
-  const auto long_range = correlation_test(rest, wide);
+  const auto lags = static_cast<std::size_t>(neighbourhood(points));
+  for (std::size_t l = 1; l <= lags; ++l) wide.push_back(1 - static_cast<double>(l) / static_cast<double>(lags + 1));
+  const auto long_range = correlation_test(projected, wide);
   result.correlation = short_range.excess;
   const auto put = [&](ValidityTest test, double p_value, bool counts) {
     result.p_value[index_of(test)] = p_value;
@@ -143,26 +144,26 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
   result.drift = by_periods ? periods : even;
 
   const auto beside = [&](const Eigen::VectorXd& column, double& chance, double& square) {
-    const auto steady = with_column(rest, column);
+    const auto steady = with_column(projected, column);
     square = steady.square();
     chance = std::fmin(correlation_test(steady, next).p_value, correlation_test(steady, wide).p_value);
   };
   beside(drift_column(data, fitted, result.drift_law), result.chance_beside_drift, result.square_beside_drift);
 
   const Eigen::MatrixXd steps = step_columns(fitted);
-  result.step = largest_column(rest, steps);
+  result.step = largest_column(projected, steps);
   put(ValidityTest::step, result.step.column.p_value,
       seen && std::abs(result.step.column.coefficient) > negligible_drift);
-  result.square_beside_step = rest.square();
+  result.square_beside_step = projected.square();
   if (result.step.which >= 0)
     beside(steps.col(result.step.which), result.chance_beside_step, result.square_beside_step);
 
   for (Eigen::Index i = 0; i < points; ++i) {
     const std::array one{i};
     // Skips a point that a free pole has moved to: the leverage, and so the chance, holds for poles placed beforehand.
-    const bool judged = fitted.model.free_poles.empty() || leverage(rest, i) < highest_leverage;
+    const bool judged = fitted.model.free_poles.empty() || leverage(projected, i) < highest_leverage;
     const bool counts = relative_residual(fitted, i) > accuracy;
-    const double chance = judged && counts ? excess_chance(rest, one) : 1;
+    const double chance = judged && counts ? excess_chance(projected, one) : 1;
     result.point_chance.push_back(std::isnan(chance) ? 1 : chance);
   }
   const double least = *std::min_element(result.point_chance.begin(), result.point_chance.end());

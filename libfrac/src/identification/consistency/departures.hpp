@@ -68,8 +68,8 @@ struct Tested {
 /// Position among the kept points of the first one behind a step.
 [[nodiscard]] std::size_t first_beyond(Eigen::Index step_column);
 
-/// Positions among the kept points that lie at a harmonic of the mains, three at most at each: the first, and every `step`-th after it up to
-/// the one numbered `highest`.
+/// Positions among the kept points that lie at a harmonic of the mains, three at most at each: the first, and every
+/// `step`-th after it up to the one numbered `highest`.
 [[nodiscard]] std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int highest, int step);
 
 }  // namespace frac::detail

@@ -40,8 +40,8 @@ NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& mode
   Eigen::MatrixXd columns(count, degrees + 1);
   Eigen::VectorXd log_square(count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    const double square = model.rest.residual.segment(2 * k, 2).squaredNorm();
-    const double noise_left = 1 - leverage(model.rest, k);
+    const double square = model.projected.residual.segment(2 * k, 2).squaredNorm();
+    const double noise_left = 1 - leverage(model.projected, k);
     if (!(square > 0) || !(noise_left > 1e-6)) return shape;
     log_square(k) = std::log(square / noise_left);
     const double x = (2 * std::log(points.omega[static_cast<std::size_t>(k)]) - first - last) / (last - first);
@@ -104,7 +104,7 @@ Fitted likelier(std::array<Fitted, 2> of) {
 }
 
 /// Improves weights and free poles in turn.
-void settle_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
+void refine_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
   if (!data.sigma().empty()) return;
   for (int pass = 0; pass < 2; ++pass) {
     weigh_by_residuals(fitted);
@@ -142,7 +142,7 @@ double rms_of_residuals(const Fitted& fitted) {
   double sum = 0;
   for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) sum += std::pow(relative_residual(fitted, i), 2);
   // Each point has two parts, and the parameters have taken up some of the freedom.
-  const double degrees = std::max(fitted.model.rest.freedom(), 1.0);
+  const double degrees = std::max(fitted.model.projected.freedom(), 1.0);
   return std::sqrt(sum / degrees);
 }
 
@@ -153,8 +153,8 @@ double left_of_mirrored(const Fitted& fitted) {
     mirrored(2 * i) = fitted.points.value(i).real() / fitted.points.deviation(i);
     mirrored(2 * i + 1) = -fitted.points.value(i).imag() / fitted.points.deviation(i);
   }
-  const Eigen::MatrixXd& q = fitted.model.rest.orthonormal;
-  return (mirrored - q * (q.transpose() * mirrored)).squaredNorm() / fitted.model.rest.square();
+  const Eigen::MatrixXd& q = fitted.model.projected.orthonormal;
+  return (mirrored - q * (q.transpose() * mirrored)).squaredNorm() / fitted.model.projected.square();
 }
 
 Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
@@ -183,14 +183,14 @@ Fitted fit_free_poles(const FrequencyResponseData& data, std::vector<std::size_t
   }
   for (Fitted& each : either) {
     each.model = best_with_free_poles(each.points, pair_counts);
-    settle_free_poles(data, each);
+    refine_free_poles(data, each);
   }
   return likelier(std::move(either));
 }
 
 Fitted with_free_poles(const FrequencyResponseData& data, Fitted fitted, std::span<const std::size_t> pair_counts) {
   fitted.model = best_with_free_poles(fitted.points, pair_counts);
-  settle_free_poles(data, fitted);
+  refine_free_poles(data, fitted);
   return fitted;
 }
 
@@ -199,16 +199,16 @@ Fitted refitted_points(const FrequencyResponseData& data, std::vector<std::size_
   fitted.points = points_of(data, kept);
   fitted.kept = std::move(kept);
   fitted.model = refitted(fitted.points, model);
-  settle_free_poles(data, fitted);
+  refine_free_poles(data, fitted);
   return fitted;
 }
 
 std::vector<std::size_t> without(const std::vector<std::size_t>& kept, const std::vector<Eigen::Index>& removed) {
-  std::vector<std::size_t> rest;
+  std::vector<std::size_t> others;
   for (std::size_t i = 0; i < kept.size(); ++i)
     if (std::find(removed.begin(), removed.end(), static_cast<Eigen::Index>(i)) == removed.end())
-      rest.push_back(kept[i]);
-  return rest;
+      others.push_back(kept[i]);
+  return others;
 }
 
 }  // namespace frac::detail

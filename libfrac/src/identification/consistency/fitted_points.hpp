@@ -27,7 +27,7 @@ struct Fitted {
 [[nodiscard]] double relative_residual(const Fitted& fitted, Eigen::Index i);
 [[nodiscard]] double rms_of_residuals(const Fitted& fitted);
 
-/// What the poles of the model leave of the complex conjugates of the points, over what they leave of the points.
+/// Squares that the poles of the model leave of the complex conjugates of the points, over those of the points.
 [[nodiscard]] double left_of_mirrored(const Fitted& fitted);
 
 /// The best model with poles on a grid, weighted by its own residuals.

@@ -31,11 +31,11 @@ void look_again(const FrequencyResponseData& data, const Fitted& fitted, Tested&
     if (i != at) all.deviation(i) = others.points.deviation(i < at ? i : i - 1);
   const Eigen::Index beside = at > 0 ? at - 1 : at + 1;
   all.deviation(at) *= all.deviation(beside) / fitted.points.deviation(beside);
-  const ConsistentModel model = on_grid(all, others.model.grid_poles, others.model.reach);
+  const ConsistentModel model = on_grid(all, others.model.grid_poles, others.model.margin);
   const std::array one{at};
   // The model was chosen so that this point stands out, which counts like looking at some three models.
   constexpr double models = 3;
-  const double chance = models * excess_chance(model.rest, one);
+  const double chance = models * excess_chance(model.projected, one);
   if (!(chance < *largest)) return;
   *largest = chance;
   result.p_value[index_of(ValidityTest::outliers)] = std::min(1.0, points * chance);
@@ -114,12 +114,12 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
     logarithms += std::log(deviation(static_cast<Eigen::Index>(i)));
   }
   const double rounding = 1e-24 * fitted.points.value.cwiseQuotient(deviation.cast<Complex>()).squaredNorm();
-  const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) +
+  const auto parameters = static_cast<std::size_t>(fitted.model.projected.orthonormal.cols()) +
                           price_of_narrow_pair * fitted.model.narrow_pairs + price_of_point * aside;
   const auto aicc = [&](double square, std::size_t further) {
     return information_criteria(square * share, 2 * data.size(), parameters + further, rounding).aicc;
   };
-  return std::min({aicc(fitted.model.rest.square(), 0), aicc(judgement.last.square_beside_drift, 2),
+  return std::min({aicc(fitted.model.projected.square(), 0), aicc(judgement.last.square_beside_drift, 2),
                    aicc(judgement.last.square_beside_step, 2)}) +
          4 * logarithms;
 }

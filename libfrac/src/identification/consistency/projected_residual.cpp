@@ -22,9 +22,9 @@ Eigen::MatrixXd neighbours(const Eigen::MatrixXd& x, std::span<const double> wei
   for (std::size_t l = 1; l <= weights.size(); ++l) {
     const auto shift = static_cast<Eigen::Index>(2 * l);
     if (shift >= x.rows()) break;
-    const Eigen::Index rest = x.rows() - shift;
-    sum.topRows(rest) += 0.5 * weights[l - 1] * x.bottomRows(rest);
-    sum.bottomRows(rest) += 0.5 * weights[l - 1] * x.topRows(rest);
+    const Eigen::Index overlap = x.rows() - shift;
+    sum.topRows(overlap) += 0.5 * weights[l - 1] * x.bottomRows(overlap);
+    sum.bottomRows(overlap) += 0.5 * weights[l - 1] * x.topRows(overlap);
   }
   return sum;
 }
@@ -34,20 +34,20 @@ struct Traces {
   double square = 0, cube = 0;
 };
 Traces traces(Eigen::Index count, std::span<const double> weights) {
-  const auto reach = static_cast<Eigen::Index>(weights.size());
+  const auto lags = static_cast<Eigen::Index>(weights.size());
   const auto entry = [&](Eigen::Index distance) {
     const Eigen::Index l = std::abs(distance);
-    return l == 0 || l > reach ? 0.0 : 0.5 * weights[static_cast<std::size_t>(l - 1)];
+    return l == 0 || l > lags ? 0.0 : 0.5 * weights[static_cast<std::size_t>(l - 1)];
   };
   Traces sum;
   for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = std::max<Eigen::Index>(0, i - reach); j <= std::min(count - 1, i + reach); ++j) {
+    for (Eigen::Index j = std::max<Eigen::Index>(0, i - lags); j <= std::min(count - 1, i + lags); ++j) {
       const double here = entry(i - j);
       if (here == 0) continue;
       sum.square += 2 * here * here;
       double path = 0;
-      const Eigen::Index first = std::max<Eigen::Index>({0, i - reach, j - reach});
-      const Eigen::Index last = std::min({count - 1, i + reach, j + reach});
+      const Eigen::Index first = std::max<Eigen::Index>({0, i - lags, j - lags});
+      const Eigen::Index last = std::min({count - 1, i + lags, j + lags});
       for (Eigen::Index k = first; k <= last; ++k) path += entry(i - k) * entry(k - j);
       sum.cube += 2 * here * path;
     }

@@ -6,8 +6,8 @@
 
 namespace frac::detail {
 
-/// What least squares leaves of white noise: residual = (I - Q Q') noise.  Rows 2 k and 2 k + 1 are real and imaginary
-/// part of point k.
+/// The residual that least squares leaves of white noise: residual = (I - Q Q') noise.  Rows 2 k and 2 k + 1 are real
+/// and imaginary part of point k.
 struct ProjectedResidual {
   Eigen::MatrixXd orthonormal;  // Q, of the tangent of the model at its optimum
   Eigen::VectorXd residual;
@@ -42,7 +42,7 @@ struct LargestColumn {
 /// The bound is sharp where neighbouring columns are alike; multiplying by their number would be far too careful.
 [[nodiscard]] LargestColumn largest_column(const ProjectedResidual& of, const Eigen::MatrixXd& columns);
 
-/// What is left when the column is added.
+/// The residual when the column is added.
 [[nodiscard]] ProjectedResidual with_column(const ProjectedResidual& of, const Eigen::VectorXd& column);
 
 /// Chance that noise alone makes the residuals of these points as large beside the others.

@@ -34,7 +34,7 @@ double further_dead_time(const Fitted& fitted) {
     column(2 * i) = later.real();
     column(2 * i + 1) = later.imag();
   }
-  const double seconds = added_column(fitted.model.rest, column).coefficient;
+  const double seconds = added_column(fitted.model.projected, column).coefficient;
   const double most = 1 / fitted.points.omega.back();
   return std::isfinite(seconds) ? std::clamp(seconds, -most, most) : 0;
 }

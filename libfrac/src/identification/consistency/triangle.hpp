@@ -12,7 +12,7 @@ class Triangle {
   /// @param target  real and imaginary part of each row in turn
   Triangle(const Eigen::MatrixXcd& columns, const Eigen::VectorXd& target);
 
-  /// Of the target from the space of the first `columns` columns.
+  /// Squared distance of the target from the space of the first `columns` columns.
   [[nodiscard]] double squared_distance(Eigen::Index columns) const;
   /// Coefficients of the first `columns` columns; not finite where these depend on each other exactly.
   [[nodiscard]] Eigen::VectorXd solution(Eigen::Index columns) const;

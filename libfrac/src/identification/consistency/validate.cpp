@@ -113,7 +113,7 @@ void describe_unsteadiness(const Judgement& judgement, ValidationResult& result)
   result.drift_deviation = now.drift.deviation;
   result.drift_law = now.drift_law;
   result.drift_explains = !(now.chance_beside_drift < result.level * detail::share_of_level);
-  const double square = fitted.model.rest.square();
+  const double square = fitted.model.projected.square();
   result.drift_share = 1 - now.square_beside_drift / square;
   if (now.step.which < 0) return;
   const std::size_t above = detail::first_beyond(now.step.which);
@@ -128,13 +128,13 @@ void describe_unsteadiness(const Judgement& judgement, ValidationResult& result)
 void describe_model(const Fitted& fitted, std::size_t points, ValidationResult& result) {
   result.real_poles = fitted.model.grid_poles;
   for (const Complex& pole : fitted.model.free_poles) (pole.imag() == 0 ? result.real_poles : result.pole_pairs) += 1;
-  result.freedom = fitted.model.rest.freedom();
+  result.freedom = fitted.model.projected.freedom();
   result.largest_residual = 0;
   for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i)
     result.largest_residual = std::max(result.largest_residual, detail::relative_residual(fitted, i));
   result.noise_floor = fitted.floor;
   result.noise_slope = fitted.slope;
-  const double scale = std::sqrt(fitted.model.rest.square() / std::max(result.freedom, 1.0));
+  const double scale = std::sqrt(fitted.model.projected.square() / std::max(result.freedom, 1.0));
   // Both stay NaN at points set aside.
   result.model.assign(points, Complex(nan, nan));
   result.deviation.assign(points, nan);

@@ -51,7 +51,7 @@ double least_chance(const ValidationResult& result, ValidityTest test) {
   return least;
 }
 
-/// What the tests of the whole sweep say.
+/// A sentence on the tests of the whole sweep.
 struct Unsteady {
   bool drifts, jumps;  // at most one of them is named
   bool follow;         // residuals of neighbours follow each other
@@ -104,7 +104,7 @@ std::string all_found(const ValidationResult& result, const Unsteady& is) {
   return all;
 }
 
-/// Of departures that are significant but too small to matter.
+/// A sentence on departures that are significant but too small to matter.
 std::string of_small_departures(const ValidationResult& result) {
   return "the points are consistent to " + percent(result.consistent_to) + ", within the " + percent(result.tolerance) +
          " that matter";

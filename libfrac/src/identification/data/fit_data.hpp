@@ -9,7 +9,7 @@
 #include "frac/identification/fit.hpp"
 #include "frac/identification/time_fit.hpp"
 
-// What profiles, bootstraps, rankings and cross-validation need to know of data and options, alike for both kinds.
+// Facts on data and options that profiles, bootstraps, rankings and cross-validation need, alike for both kinds.
 namespace frac::detail {
 
 /// Whether the data are a frequency response, rather than samples over time.
@@ -63,7 +63,7 @@ template <class Options>
 
 /// Holds a parameter; nothing else that is known of it counts then, but which one it is above.
 void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value);
-/// The same fit with one parameter held.
+/// The fit with one parameter held.
 void hold(FitOptions& options, std::string_view parameter, double value);
 void hold(TimeFitOptions& options, std::string_view parameter, double value);
 

@@ -8,7 +8,7 @@ namespace frac::detail {
 
 LocalCurve local_curve(std::span<const double> log_omega, std::span<const std::size_t> usable, std::size_t point) {
   constexpr std::size_t on_a_side = 2, at_an_end = 3;
-  // Where all are usable each stands in its place.
+  // Each stands in its place if all are usable.
   const bool in_place = point < usable.size() && usable[point] == point;
   const auto below =
       in_place ? point

@@ -7,7 +7,7 @@
 
 namespace frac::detail {
 
-/// What the neighbours of a point say about it: weights with which a polynomial in the logarithm of frequency through
+/// The prediction of a point by its neighbours: weights with which a polynomial in the logarithm of frequency through
 /// up to four of them is interpolated there.
 struct LocalCurve {
   static constexpr std::size_t most_neighbours = 4;

@@ -20,7 +20,7 @@ namespace frac::detail {
 /// a shorter one, or like an advance, on evenly spaced points.
 [[nodiscard]] double longest_dead_time(const FrequencyResponseData& data);
 
-/// Where the real part of a fitted response is most negative.
+/// The place where the real part of a fitted response is most negative.
 struct ActivePlace {
   double omega;  // rad/s
   double share;  // of |G| there, above 0

@@ -34,7 +34,7 @@ void require_nonzero(const FrequencyResponseData& data) {
   }
 }
 
-/// Of values other than 0; 0 where there is none.
+/// The least magnitude of values other than 0; 0 where there is none.
 double smallest_magnitude(const FrequencyResponseData& data) {
   double smallest = 0;
   for (const std::complex<double> value : data.value()) {
@@ -232,7 +232,7 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
   const bool plainly_relative = weight == Weight::relative || (weight == Weight::learned && floor == 0);
   if (rule.form == ResidualForm::phase || plainly_relative) return rule;
 
-  // By the largest first, so that squares of data of 1e-200 or 1e200 neither vanish nor overflow.
+  // Division by the largest comes first, so that squares of data of 1e-200 or 1e200 neither vanish nor overflow.
   double largest = 0, sum = 0;
   for (std::size_t i = 0; i < data.size(); ++i) largest = std::max(largest, rule.weight[i] * std::abs(data.value()[i]));
   for (std::size_t i = 0; i < data.size() && largest > 0; ++i) {

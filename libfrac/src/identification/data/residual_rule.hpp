@@ -12,7 +12,7 @@
 
 namespace frac::detail {
 
-/// What is compared at each frequency.
+/// The numbers that are compared at each frequency.
 enum class ResidualForm {
   imaginary,
   real,
@@ -37,7 +37,7 @@ struct ResidualRule {
   /// Root mean square of the weighted data (1 where the residual is a pure number).  Residuals are computed in this
   /// unit, so that solver tolerances mean the same for data of 1e-18 and of 1e18.
   double unit;
-  /// Where weights are 1/hypot(|datum|, floor), which the noise of the datum moves.
+  /// Set where weights are 1/hypot(|datum|, floor), which the noise of the datum moves.
   std::optional<double> floor = {};
 
   [[nodiscard]] std::size_t per_point() const noexcept { return residuals_per_point(form); }

@@ -45,9 +45,9 @@ class PowerProblem : public ProjectedData {
     if (one_part()) return log_s().real().asDiagonal() * result;
     return log_s().asDiagonal() * result;
   }
-  [[nodiscard]] Reach reach(const Exponents& exponents) const {
+  [[nodiscard]] StepBounds step_bounds(const Exponents& exponents) const {
     constexpr double moderate = 1;
-    Reach result;
+    StepBounds result;
     for (const double each : exponents) result.add(moderate, each, -largest_, largest_);
     return result;
   }

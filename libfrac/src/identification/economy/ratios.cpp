@@ -235,7 +235,7 @@ class Ratios {
   void refine(std::vector<Ratio>& list, std::size_t tried) const {
     constexpr std::size_t kept = 3, ended = 12;
     constexpr double hopeless = 1e4;  // a few steps seldom take a start below the hundredth part of its error
-    constexpr Effort few_steps{4, scouting.settled};
+    constexpr Effort few_steps{4, scouting.tolerance};
     std::map<std::size_t, double> least;
     for (const Ratio& ratio : list) {
       double& cost = least.try_emplace(ratio.numerator.seen, infinity).first->second;

@@ -15,7 +15,7 @@
 
 namespace frac::detail {
 
-/// What the solver works on: the logarithm of a positive parameter, or the parameter itself.  Of one that is not to be
+/// A variable of the solver: the logarithm of a positive parameter, or the parameter itself.  Of one that is not to be
 /// below another it is the way up from that one, as ParameterMap has it; JointLayout knows the other one.
 struct JointVariable {
   std::string name;
@@ -104,7 +104,7 @@ struct JointLayout {
 /// Options of a fit of one curve by itself, of its kind.
 using CurveOptions = std::variant<FitOptions, TimeFitOptions>;
 
-/// What is fitted to a curve, by the parameters of the structure themselves.
+/// The problem of a curve, by the parameters of the structure themselves.
 /// @param curve, structure  stay with the caller
 /// @param settled           with what the fit of the curve alone has learned
 [[nodiscard]] std::unique_ptr<Problem> problem_of(const JointCurve& curve, const Structure& structure,

@@ -71,7 +71,7 @@ std::vector<std::vector<double>> shared_starts(const JointLayout& layout, const 
   const std::size_t first = layout.shared.size() - law_starts.size();
   for (std::size_t k = 0; k < law_starts.size(); ++k)
     for (auto* start : {&mean, &median, &best}) (*start)[first + k] = layout.shared[first + k].variable(law_starts[k]);
-  // What is known beforehand is a start as well.
+  // Values known beforehand are a start as well.
   std::vector<double> known = mean;
   for (const JointPrior& prior : layout.shared_priors) {
     for (const auto& place : layout.free) {
@@ -127,7 +127,7 @@ std::vector<double> noise_left(std::vector<CurveResiduals>& curves, const JointL
                                Loss loss) {
   std::size_t total = 0;
   for (const CurveResiduals& curve : curves) total += curve.count();
-  std::vector<CurveVariance> told;
+  std::vector<CurveVariance> estimated;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     std::vector<double> residual(curves[c].rows());
     curves[c].evaluate(point.shared, point.own[c], residual.data(), nullptr);
@@ -141,11 +141,11 @@ std::vector<double> noise_left(std::vector<CurveResiduals>& curves, const JointL
     const double variance = loss == Loss::none ? square / degrees : spread * spread;
     constexpr double rounding = 1e-14;
     if (degrees > 0)
-      told.push_back({std::max(variance, rounding * rounding) * curves[c].noise() * curves[c].noise(), degrees});
+      estimated.push_back({std::max(variance, rounding * rounding) * curves[c].noise() * curves[c].noise(), degrees});
     else
-      told.push_back({0, 0});
+      estimated.push_back({0, 0});
   }
-  return moderated_deviations(told);
+  return moderated_deviations(estimated);
 }
 
 /// The residuals of each curve, weighed as the fits alone say.
@@ -212,7 +212,7 @@ void free_driven(std::vector<ParameterConstraint>& constraints, const Structure&
     if (laws.drives(structure.parameter_index(each.name)) && !each.fixed) each.lower = each.upper = std::nullopt;
 }
 
-std::vector<double> told_starts(const Laws& laws, const std::vector<ParameterConstraint>& constraints) {
+std::vector<double> given_starts(const Laws& laws, const std::vector<ParameterConstraint>& constraints) {
   std::vector<double> given;
   for (const std::string& name : laws.names()) {
     const auto known = std::find_if(constraints.begin(), constraints.end(),
@@ -242,7 +242,7 @@ std::vector<JointVariable> variables_of(const Laws& laws, const std::vector<Para
     if (any && known->upper) variables.back().most = *known->upper;
   }
   starts = values.of_laws.empty()
-               ? laws.starts(values.parameters, values.lead_laws, told_starts(laws, constraints)).front()
+               ? laws.starts(values.parameters, values.lead_laws, given_starts(laws, constraints)).front()
                : values.of_laws;
   for (std::size_t k = 0; k < variables.size(); ++k) {
     JointVariable& each = variables[k];
@@ -281,7 +281,7 @@ void JointSearch::run(const JointFitOptions& options, const Preparation& known, 
   };
   weigh_by(noise);
   point = search(problem_, *layout_, shared_, own_, result);
-  // By the noise found, the search may have come to a better place by the noise known too.
+  // The search under the noise found may have come to a better place under the noise known too.
   weigh_by(known.noise);
   squares_at_known_noise = std::min(squares_at_known_noise, cost_of_data(problem_, point).squares);
   weigh_by(noise);

@@ -20,8 +20,8 @@ namespace frac::detail {
 /// Limits of parameters that a law drives are those of the law.
 void free_driven(std::vector<ParameterConstraint>& constraints, const Structure& structure, const Laws& laws);
 
-/// What the user says of where the parameters of the laws start; NaN where nothing.
-[[nodiscard]] std::vector<double> told_starts(const Laws& laws, const std::vector<ParameterConstraint>& constraints);
+/// Start values that the user gives parameters of the laws; NaN where none.
+[[nodiscard]] std::vector<double> given_starts(const Laws& laws, const std::vector<ParameterConstraint>& constraints);
 
 /// The variables that stand for the parameters of the laws.
 /// @param starts  set to where they start

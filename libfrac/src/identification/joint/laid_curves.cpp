@@ -19,7 +19,7 @@
 namespace frac::detail {
 namespace {
 
-/// What the options say of parameters of the structure itself, without shift factors and laws.
+/// Options on parameters of the structure itself, without shift factors and laws.
 FitOptions options_of_master(const Structure& master, const JointFitOptions& options) {
   FitOptions of_master = options.fit;
   const auto& names = master.parameter_names();
@@ -149,7 +149,7 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
                         std::abs(std::log(now.vertical[c] / before.vertical[c]))});
     if (!learns || (round > 0 && moved < stays) || round + 1 == most_rounds) {
       known.values.lead_laws = weights_of_shifts(search, structure);
-      // What no residual holds has run away; where the curve was laid is near enough to start from.
+      // A factor that no residual holds has run away; where the curve was laid is near enough to start from.
       for (std::size_t c = 0; c < curves.size(); ++c)
         if (known.values.lead_laws[c] == 0) take_shifts(laid[c], structure, known.values.parameters[c]);
       return FreeShifts{cost_of_data(search.problem(), search.point).squares, search.unlikelihood, counts.residuals,
@@ -241,7 +241,7 @@ std::vector<Place> places_of(const std::vector<std::vector<double>>& starts, con
   return places;
 }
 
-/// What is known, with the curves where the laws lay them and the structure fitted to all of them there.
+/// The preparation, with the curves where the laws lay them and the structure fitted to all of them there.
 Preparation laid_by(const std::vector<double>& values, const std::vector<JointCurve>& curves, const Structure& master,
                     const Structure& structure, const FitOptions& of_master, const Laws& laws, Preparation known) {
   known = placed_by(values, laws, std::move(known));
@@ -256,19 +256,19 @@ constexpr double clearly = 2;
 
 /// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
 /// fitted to all curves where the laws lay them.  Laws may follow the factors in several ways, of which some lay a
-/// curve far off whose factor nothing told, and a factor may be wrong itself; the place counts from which the search
-/// leaves least.
+/// curve far off whose factor nothing determines, and a factor may be wrong itself; the place counts from which the
+/// search leaves least.
 /// @return  the unlikelihood of what that search leaves; infinite where there is none
 double lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
                    const JointFitOptions& options, const FitOptions& of_master, const Laws& laws, LaidCurves& laid) {
   JointFitOptions of_structure = options;
-  const std::vector<double> told = told_starts(laws, taken_out(of_structure.fit.constraints, laws));
+  const std::vector<double> given = given_starts(laws, taken_out(of_structure.fit.constraints, laws));
   const auto& factors = laid.known.values.parameters;
-  auto starts = laws.starts(factors, laid.known.values.lead_laws, told);
-  if (!told.empty() && std::none_of(told.begin(), told.end(), [](double each) { return std::isnan(each); }))
-    starts.insert(starts.begin(), told);
+  auto starts = laws.starts(factors, laid.known.values.lead_laws, given);
+  if (!given.empty() && std::none_of(given.begin(), given.end(), [](double each) { return std::isnan(each); }))
+    starts.insert(starts.begin(), given);
   if (!laid.known.values.of_laws.empty()) starts.insert(starts.begin(), laid.known.values.of_laws);
-  for (auto& each : laws.starts_of_neighbours(factors, told)) starts.push_back(std::move(each));
+  for (auto& each : laws.starts_of_neighbours(factors, given)) starts.push_back(std::move(each));
   const std::vector<Place> places = places_of(starts, curves, master, structure, of_master, laws, laid.known);
   double least = std::numeric_limits<double>::infinity();
   const Preparation free = laid.known;

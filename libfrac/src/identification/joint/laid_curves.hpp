@@ -13,7 +13,7 @@ namespace frac::detail {
 /// Shift factors are positive, whatever else is known of them.
 void keep_shifts_positive(std::vector<ParameterConstraint>& constraints, const CurveShift& shift);
 
-/// What a fit with a shift factor of each curve leaves.
+/// Residuals that a fit with a shift factor of each curve leaves.
 struct FreeShifts {
   double squares;       // each residual by the noise of its curve
   double unlikelihood;  // see JointSearch

@@ -186,9 +186,9 @@ std::vector<LawMinimum> Laws::minima(const std::vector<std::vector<double>>& par
       for (const std::size_t c : curves) size = std::max(size, std::abs(parameters[c][laws_[l].parameter]));
       for (const std::size_t c : curves) {
         const double value = at(l, c, {place.data(), names_.size()}, gradient),
-                     told = parameters[c][laws_[l].parameter];
+                     fitted = parameters[c][laws_[l].parameter];
         const double unit = positive[l] ? value : (size > 0 ? size : 1);
-        residual(row) = weights[c] * (positive[l] ? std::log(value / told) : (value - told) / unit);
+        residual(row) = weights[c] * (positive[l] ? std::log(value / fitted) : (value - fitted) / unit);
         for (Eigen::Index k = 0; k < width; ++k)
           jacobian(row, k) = weights[c] * gradient[static_cast<std::size_t>(k)] / unit;
         ++row;
@@ -210,8 +210,8 @@ std::vector<LawMinimum> Laws::minima(const std::vector<std::vector<double>>& par
       }
       ++row;
     }
-    // Where few curves lead, laws may follow them almost as well with ever larger parameters, as a hyperbola that
-    // becomes a line.  From so far out no search returns, and a start may miss by a little.
+    // Laws may follow few leading curves almost as well with ever larger parameters, as a hyperbola that becomes a
+    // line.  From so far out no search returns, and a start may miss by a little.
     constexpr double pull_per_decade = 0.3;
     for (Eigen::Index k = 0; k < width; ++k) {
       residual(of_curves + k) = pull_per_decade * std::log10(1 + std::abs(place(k)));
@@ -273,7 +273,7 @@ std::vector<std::vector<double>> Laws::starts_of_neighbours(const std::vector<st
   if (names_.empty()) return starts;
   constexpr int trials = 10;
   constexpr std::size_t most = 2;  // of one group
-  // A common factor is told along with the names.
+  // A common factor is named along with the names.
   for (std::size_t size = names_.size() + 1; size <= names_.size() + 2; ++size) {
     for (std::size_t first = 0; first + size <= parameters.size(); ++first) {
       std::vector<double> weights(parameters.size(), 0.0);

@@ -30,7 +30,7 @@ class Laws {
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] bool has(const std::string& name) const;
 
-  /// What a law says for a curve.
+  /// The value of a law for a curve.
   /// @param values    of names()
   /// @param gradient  by names(), 0 for those that do not stand in the law
   double at(std::size_t law, std::size_t curve, std::span<const double> values, std::span<double> gradient) const;

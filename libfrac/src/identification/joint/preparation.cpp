@@ -30,15 +30,15 @@ std::vector<double> noise_of(const std::vector<JointCurve>& curves, const Struct
   if (options.weight == Weight::given || options.weight == Weight::repeats) return noise;
   for (const bool over_time : {false, true}) {
     std::vector<std::size_t> of_kind;
-    std::vector<CurveVariance> told;
+    std::vector<CurveVariance> estimated;
     for (std::size_t c = 0; c < curves.size(); ++c) {
       if ((curves[c].record() != nullptr) != over_time) continue;
       of_kind.push_back(c);
-      told.push_back(alone[c]
-                         ? variance_left(*alone[c], problem_of(curves[c], structure, settled[c])->unit, options.loss)
-                         : CurveVariance{0, 0});
+      estimated.push_back(
+          alone[c] ? variance_left(*alone[c], problem_of(curves[c], structure, settled[c])->unit, options.loss)
+                   : CurveVariance{0, 0});
     }
-    const std::vector<double> levels = moderated_deviations(told);
+    const std::vector<double> levels = moderated_deviations(estimated);
     for (std::size_t k = 0; k < of_kind.size(); ++k) noise[of_kind[k]] = levels[k];
   }
   return noise;

@@ -20,7 +20,7 @@ struct StartValues {
   std::vector<double> of_laws = {};  // where their parameters start; empty: where the laws follow best
 };
 
-/// What is known before the curves are fitted together.
+/// Knowledge before the curves are fitted together.
 struct Preparation {
   Alone alone;
   StartValues values;

@@ -14,8 +14,6 @@ namespace {
 
 using Kind = Term::Kind;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Number of sums that get the next element: the best one may have an element where another one belongs.
-constexpr std::size_t kept = 2;
 constexpr double indistinguishable = 2;  // differences of the value, as of AICc in identify()
 
 // Number of ways to add an element that get a search of their own, those that lower the cost most before it.
@@ -149,18 +147,9 @@ class ElementGrowth {
  private:
   template <class Moves>
   [[nodiscard]] TermFit moved(TermFit best, Moves moves) const {
-    for (bool better = true; better;) {
-      better = false;
-      TermFit next = best;
-      for (TermSum& move : moves(best.sum)) {
-        TermFit tried = refine(std::move(move), scouting);
-        if (!(value(tried) < value(next))) continue;
-        next = std::move(tried);
-        better = true;
-      }
-      if (better) best = refine(std::move(next.sum), thorough);
-    }
-    return best;
+    const auto value_of = [this](const TermFit& fit) { return value(fit); };
+    return without_idle(*this, std::move(best), &TermFit::sum, value_of,
+                        [&](const TermFit& fit, int) { return moves(fit.sum); });
   }
 
   static TermSum with_at(const TermSum& sum, std::size_t k, const Term& other) {
@@ -240,13 +229,7 @@ PassiveKind passive_kind(const ProjectedData& data) {
 
 double element_value(const TermProblem& problem, PassiveResponse response, const TermFit& fit) {
   const double of_kind = 2 * std::log(kinds_of(response));
-  // A mode can be as narrow as the distance between two points.
-  const double of_mode = 2 * std::log(static_cast<double>(problem.log_omega().size()));
-  double price = 0;
-  for (const Term& element : fit.sum) {
-    price += of_kind + (element.is_mode() ? of_mode : element.kind == Kind::power ? 0 : price_of_place(problem));
-  }
-  return schwarz(problem, fit.cost, fit.parameters) + price;
+  return term_value(problem, fit) + of_kind * static_cast<double>(fit.sum.size());
 }
 
 namespace {
@@ -259,39 +242,33 @@ bool alike(const TermFit& a, const TermFit& b) {
 
 ElementLadder grow_elements(const TermProblem& problem, std::size_t most_elements) {
   const ElementGrowth growth(problem, passive_kind(problem).response);
-  const auto below = [&](const TermFit& a, const TermFit& b) { return growth.value(a) < growth.value(b); };
+  const auto value_of = [&](const TermFit& fit) { return growth.value(fit); };
   ElementLadder ladder;
   std::vector<TermSum> sums{{}};
-  std::size_t in_vain = 0;
   for (std::size_t count = 1; count <= most_elements && 3 * count + 1 < problem.rows(); ++count) {
-    std::vector<TermFit> refined, best;
+    std::vector<TermFit> refined;
     for (const TermSum& sum : sums) growth.extend(sum, refined);
-    std::stable_sort(refined.begin(), refined.end(), below);
-    for (std::size_t i = 0; i < refined.size() && best.size() < kept; ++i) {
-      if (!std::isfinite(refined[i].cost)) break;
-      const bool like_the_last = i > 0 && std::abs(refined[i].cost - refined[i - 1].cost) < 1e-3 * refined[i].cost;
-      if (!like_the_last) best.push_back(growth.simplified(growth.refine(std::move(refined[i].sum), thorough)));
-    }
+    const std::vector<TermFit> best = best_sums(std::move(refined), value_of, [&](const TermFit& grown) {
+      return growth.simplified(growth.refine(grown.sum, thorough));
+    });
     if (best.empty()) break;
-    std::stable_sort(best.begin(), best.end(), below);
     sums.clear();
     for (const TermFit& fit : best) sums.push_back(fit.sum);
-    const double gain =
-        ladder.fits.empty() ? infinity : growth.value(ladder.fits[ladder.chosen]) - growth.value(best.front());
+    const double gain = ladder.fits.empty() ? infinity : growth.value(ladder.best()) - growth.value(best.front());
     // A sum that came back to the one before stands in its place.
     if (!ladder.fits.empty() && alike(best.front(), ladder.fits.back())) ladder.fits.pop_back();
     ladder.fits.push_back(best.front());
     if (gain > 0 || ladder.chosen >= ladder.fits.size()) ladder.chosen = ladder.fits.size() - 1;
-    in_vain = gain > indistinguishable ? 0 : in_vain + 1;
+    ladder.in_vain = gain > indistinguishable ? 0 : ladder.in_vain + 1;
     if (ladder.fits.back().cost <= problem.negligible_cost()) break;
-    if (in_vain < 2) continue;
+    if (ladder.in_vain < 2) continue;
     // Another kind in the place of one that was taken too early may pay where a further element does not.
-    TermFit other = growth.exchanged(ladder.fits[ladder.chosen]);
-    if (!(growth.value(other) < growth.value(ladder.fits[ladder.chosen]) - indistinguishable)) break;
+    TermFit other = growth.exchanged(ladder.best());
+    if (!(growth.value(other) < growth.value(ladder.best()) - indistinguishable)) break;
     sums = {other.sum};
     ladder.fits.push_back(std::move(other));
     ladder.chosen = ladder.fits.size() - 1;
-    in_vain = 0;
+    ladder.in_vain = 0;
   }
   if (ladder.fits.empty()) return ladder;
   TermFit& chosen = ladder.fits[ladder.chosen];

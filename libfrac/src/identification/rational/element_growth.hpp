@@ -2,22 +2,19 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "frac/identification/model_library.hpp"
-#include "term_problem.hpp"
+#include "term_growth.hpp"
 
 namespace frac::detail {
 
 /// Sums of passive elements, each with a positive gain, simplest first, grown until neither of the last two sizes paid
 /// by element_value().
-struct ElementLadder {
-  std::vector<TermFit> fits;
-  std::size_t chosen = 0;
-};
+using ElementLadder = GrowthLadder<TermFit>;
 
-/// What passive elements in series make: an impedance, a modulus or a compliance, whose real part is nowhere negative,
-/// or the displacement of a structure per force where it acts, whose imaginary part is nowhere positive.
+/// The response that passive elements in series make: an impedance, a modulus or a compliance, whose real part is
+/// nowhere negative, or the displacement of a structure per force where it acts, whose imaginary part is nowhere
+/// positive.
 enum class PassiveResponse { immittance, receptance };
 
 /// The one that the signs of the data leave less of; what they leave is a lower bound of the cost of any such sum.
@@ -27,8 +24,7 @@ struct PassiveKind {
 };
 [[nodiscard]] PassiveKind passive_kind(const ProjectedData& data);
 
-/// schwarz() with the search paid for: the places of elements like those of poles, and for each element the choice of
-/// its kind, 2 ln of the number of kinds.
+/// term_value() with the choice of kinds paid for, 2 ln of their number for each element.
 [[nodiscard]] double element_value(const TermProblem& problem, PassiveResponse response, const TermFit& fit);
 
 [[nodiscard]] ElementLadder grow_elements(const TermProblem& problem, std::size_t most_elements);

@@ -22,7 +22,7 @@ bool is_in_range(double length) {
   return length >= 1e-100 && length <= 1e100;
 }
 
-/// By least squares.
+/// The least-squares slope of ln|value| over ln omega at the upper end.
 double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd& value) {
   const double half_decade = std::log(10.0) / 2;
   const auto within = std::lower_bound(log_omega.begin(), log_omega.end(), log_omega.back() - half_decade);
@@ -234,6 +234,10 @@ double schwarz(const ProjectedData& data, double cost, std::size_t parameters) {
 
 double price_of_place(const ProjectedData& data) {
   return 2 * std::log(data.log_upper() - data.log_lower() + 2 * search_margin);
+}
+
+double price_of_point(const ProjectedData& data) {
+  return 2 * std::log(static_cast<double>(data.log_omega().size()));
 }
 
 std::vector<double> places(const ProjectedData& data, int count) {

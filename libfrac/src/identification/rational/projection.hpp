@@ -19,11 +19,11 @@
 namespace frac::detail {
 
 /// How far what acts nonlinearly may change at once.
-struct Reach {
+struct StepBounds {
   std::vector<double> moderate;      // either way: beyond, the linear picture seldom holds
   std::vector<double> lower, upper;  // what the limits leave
 
-  /// Adds the reach of one more, whose value stays between `least` and `most`.
+  /// Adds the bounds of one more, whose value stays between `least` and `most`.
   void add(double moderate_change, double value, double least, double most) {
     moderate.push_back(moderate_change);
     lower.push_back(std::min(least - value, 0.0));
@@ -138,7 +138,7 @@ class ProjectedData {
 /// When a search for the least cost ends.
 struct Effort {
   int iterations;
-  double settled;  // gains below this fraction of the cost are none
+  double tolerance;  // gains below this fraction of the cost are none
 };
 /// Effort of a fit that is to show whether a place is worth more, and of one that is to converge.
 inline constexpr Effort scouting{12, 1e-5}, thorough{60, 1e-6};
@@ -158,13 +158,16 @@ inline constexpr double search_margin = 1.2;
 /// The price of the search for the place of a pole or an arc beside schwarz(), whose k ln n knows of one place only: 2
 /// ln of the number of places that the data tell apart, the e-folds of the band and its margins.
 [[nodiscard]] double price_of_place(const ProjectedData& data);
+/// The price for a pair of poles or a mode, which can be as narrow as the distance between two points and then meets
+/// their noise: its places are the points.
+[[nodiscard]] double price_of_point(const ProjectedData& data);
 
 /// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
 /// the steps: what the data hardly see goes no further than its edge and does not keep the other parameters from going
 /// there. Ceres is not used here: setting up one of its problems takes longer than one of these solves, of which a
 /// growth makes hundreds.
 /// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column for
-///                 each of what reach(shape) has, and stepped(shape, step)
+///                 each of what step_bounds(shape) has, and stepped(shape, step)
 /// @return whether the start has a finite cost
 template <class Problem, class Shape>
 bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shape, ProjectedData::Linear& linear,
@@ -176,15 +179,15 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
     const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
     if (derivatives.cols() == 0 || !derivatives.allFinite()) break;
     const NormalEquations normal = data.normal_equations(derivatives, linear);
-    const Reach reach = problem.reach(shape);
-    const Eigen::Map<const Eigen::VectorXd> moderate(reach.moderate.data(), derivatives.cols());
-    const Eigen::Map<const Eigen::VectorXd> lower(reach.lower.data(), derivatives.cols());
-    const Eigen::Map<const Eigen::VectorXd> upper(reach.upper.data(), derivatives.cols());
+    const StepBounds bounds = problem.step_bounds(shape);
+    const Eigen::Map<const Eigen::VectorXd> moderate(bounds.moderate.data(), derivatives.cols());
+    const Eigen::Map<const Eigen::VectorXd> lower(bounds.lower.data(), derivatives.cols());
+    const Eigen::Map<const Eigen::VectorXd> upper(bounds.upper.data(), derivatives.cols());
     bool stepped = false;
     for (int attempt = 0; attempt < 8 && !stepped; ++attempt) {
       const Eigen::VectorXd step = normal.step(lower.cwiseMax(-size * moderate), upper.cwiseMin(size * moderate));
       const double expected = normal.gain(step);
-      if (!(expected > effort.settled * linear.cost)) break;
+      if (!(expected > effort.tolerance * linear.cost)) break;
       Shape next = problem.stepped(shape, step);
       const Eigen::MatrixXcd columns = problem.columns(next);
       auto projection = data.project(columns);
@@ -198,7 +201,7 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
       }
       ProjectedData::Linear there;
       if (!(gain > 0) || !data.complete(columns, std::move(*projection), there)) continue;
-      small_gains = gain < effort.settled * linear.cost ? small_gains + 1 : 0;
+      small_gains = gain < effort.tolerance * linear.cost ? small_gains + 1 : 0;
       shape = std::move(next);
       linear = std::move(there);
       stepped = true;

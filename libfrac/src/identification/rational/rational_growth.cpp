@@ -76,9 +76,9 @@ double schwarz(const RationalProblem& problem, const RationalFit& fit) {
 }
 
 double price_of_search(const RationalProblem& problem, const RationalShape& shape) {
-  const double of_pair = 2 * std::log(static_cast<double>(problem.log_omega().size()));
   double price = 0;
-  for (const PoleFactor& factor : shape.factors) price += factor.pair ? of_pair : price_of_place(problem);
+  for (const PoleFactor& factor : shape.factors)
+    price += factor.pair ? price_of_point(problem) : price_of_place(problem);
   return price;
 }
 
@@ -166,7 +166,7 @@ std::vector<RationalFit> RationalGrowth::along(RationalShape from, const std::ve
   return fits;
 }
 
-// Where a response falls by many decades, one pole more is worth nothing under relative residuals until the slope of
+// One pole more, where a response falls by many decades, is worth nothing under relative residuals until the slope of
 // its tail is right: all poles are put to one place, or a spread of it.
 void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& starts) const {
   const std::size_t poles = members_.size();

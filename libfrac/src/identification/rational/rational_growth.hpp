@@ -16,8 +16,7 @@ namespace frac::detail {
 
 [[nodiscard]] double schwarz(const RationalProblem& problem, const RationalFit& fit);
 
-/// price_of_place() for each real pole.  A pair can be as narrow as the distance between two points and then meets
-/// their noise, so its places are the points.
+/// price_of_place() for each real pole, price_of_point() for each pair.
 [[nodiscard]] double price_of_search(const RationalProblem& problem, const RationalShape& shape);
 
 /// Properties that the members of a growth have in common.

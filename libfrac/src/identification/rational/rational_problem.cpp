@@ -218,12 +218,12 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
   return result;
 }
 
-Reach RationalProblem::reach(const RationalShape& shape) const {
+StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {
   constexpr double e_folds = 2, of_order = 0.2;
   const double least_damping = poles_ == Poles::anywhere ? -most_damping
                                : poles_ == Poles::stable ? least_stable_damping(shape.order)
                                                          : 0;
-  Reach result;
+  StepBounds result;
   const double beyond = beyond_band / shape.order;
   for (const PoleFactor& factor : shape.factors) {
     result.add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);

@@ -102,7 +102,7 @@ class RationalProblem : public ProjectedData {
   /// For gauss_newton().
   [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape) const;
   [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Linear& linear) const;
-  [[nodiscard]] Reach reach(const RationalShape& shape) const;
+  [[nodiscard]] StepBounds step_bounds(const RationalShape& shape) const;
   [[nodiscard]] RationalShape stepped(const RationalShape& shape, const Eigen::VectorXd& step) const;
 
  private:

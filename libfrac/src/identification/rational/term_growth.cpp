@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,20 +11,8 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Number of sums that get the next term: the best one may have a term where another one belongs.
-constexpr std::size_t kept = 2;
 // Rows of modes are ratios.
 constexpr std::ptrdiff_t most_modes = 2;
-
-double value_of(const TermProblem& problem, const TermFit& fit) {
-  double price = 0;
-  // A mode can be as narrow as the distance between two points, see price_of_search().
-  const double of_mode = 2 * std::log(static_cast<double>(problem.log_omega().size()));
-  for (const Term& term : fit.sum) {
-    price += term.kind == Term::Kind::arc ? price_of_place(problem) : term.kind == Term::Kind::mode ? of_mode : 0;
-  }
-  return schwarz(problem, fit.cost, fit.parameters) + price;
-}
 
 bool contains(const TermSum& sum, const Term& power) {
   return std::any_of(sum.begin(), sum.end(), [&](const Term& term) { return same_power(term, power); });
@@ -90,11 +77,19 @@ TermFit without_idle_parts(const TermProblem& problem, TermFit fit) {
     }
     return moves;
   };
-  const auto of = [&](const TermFit& each) { return value_of(problem, each); };
-  return without_idle(problem, std::move(fit), &TermFit::sum, of, moves_of);
+  const auto value_of = [&](const TermFit& each) { return term_value(problem, each); };
+  return without_idle(problem, std::move(fit), &TermFit::sum, value_of, moves_of);
 }
 
 }  // namespace
+
+double term_value(const TermProblem& problem, const TermFit& fit) {
+  double value = schwarz(problem, fit.cost, fit.parameters);
+  for (const Term& term : fit.sum) {
+    if (term.kind != Term::Kind::power) value += term.is_mode() ? price_of_point(problem) : price_of_place(problem);
+  }
+  return value;
+}
 
 TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
   TermLadder ladder;
@@ -102,25 +97,20 @@ TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
   for (std::size_t count = 1; count <= most_terms && ladder.in_vain < 2 && 3 * count + 1 < problem.rows(); ++count) {
     std::vector<TermFit> refined;
     for (const TermSum& sum : sums) extend(problem, sum, refined);
-    std::stable_sort(refined.begin(), refined.end(),
-                     [&](const TermFit& a, const TermFit& b) { return value_of(problem, a) < value_of(problem, b); });
+    const std::vector<TermFit> best = best_sums(
+        std::move(refined), [&](const TermFit& fit) { return term_value(problem, fit); },
+        [&](const TermFit& grown) {
+          TermFit fit = problem.refine(grown.sum, thorough);
+          return has_free_order(fit.sum) ? without_idle_parts(problem, std::move(fit)) : fit;
+        });
+    if (best.empty()) break;
     sums.clear();
-    std::optional<TermFit> best;
-    for (std::size_t i = 0; i < refined.size() && sums.size() < kept; ++i) {
-      if (!std::isfinite(refined[i].cost)) break;
-      const bool like_the_last = i > 0 && std::abs(refined[i].cost - refined[i - 1].cost) < 1e-3 * refined[i].cost;
-      if (like_the_last) continue;
-      TermFit fit = problem.refine(std::move(refined[i].sum), thorough);
-      if (has_free_order(fit.sum)) fit = without_idle_parts(problem, std::move(fit));
-      sums.push_back(fit.sum);
-      if (!has_free_order(fit.sum)) continue;
-      if (!best || value_of(problem, fit) < value_of(problem, *best)) best = std::move(fit);
-    }
-    if (sums.empty()) break;
-    if (!best) continue;
-    const double value = value_of(problem, *best);
-    const bool exact = best->cost <= problem.negligible_cost();
-    ladder.add(std::move(*best), value);
+    for (const TermFit& fit : best) sums.push_back(fit.sum);
+    const auto free =
+        std::find_if(best.begin(), best.end(), [](const TermFit& fit) { return has_free_order(fit.sum); });
+    if (free == best.end()) continue;
+    ladder.add(*free, term_value(problem, *free));
+    const bool exact = free->cost <= problem.negligible_cost();
     if (exact) break;
   }
   return ladder;

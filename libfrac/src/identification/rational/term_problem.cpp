@@ -215,9 +215,9 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
   return result;
 }
 
-Reach TermProblem::reach(const TermSum& sum) const {
+StepBounds TermProblem::step_bounds(const TermSum& sum) const {
   constexpr double e_folds = 2, of_order = 0.2;
-  Reach result;
+  StepBounds result;
   for (const Term& term : sum) {
     if (term.kind != Term::Kind::power) {
       result.add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);

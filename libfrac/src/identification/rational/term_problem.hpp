@@ -35,7 +35,6 @@ struct Term {
 
   [[nodiscard]] bool is_mode() const { return kind == Kind::mode || kind == Kind::structural_mode; }
   [[nodiscard]] bool is_spread() const { return kind == Kind::normal_spread || kind == Kind::even_spread; }
-  [[nodiscard]] bool has_free_arc_order() const { return !held && (kind == Kind::arc || kind == Kind::rise); }
   [[nodiscard]] std::size_t nonlinear() const {
     return (kind == Kind::power ? 0u : is_mode() || is_spread() ? 2u : 1u) + (held ? 0u : 1u);
   }
@@ -81,7 +80,7 @@ class TermProblem : public ProjectedData {
   /// For gauss_newton().
   [[nodiscard]] Eigen::MatrixXcd columns(const TermSum& sum) const;
   [[nodiscard]] Eigen::MatrixXcd derivatives(const TermSum& sum, const Linear& linear) const;
-  [[nodiscard]] Reach reach(const TermSum& sum) const;
+  [[nodiscard]] StepBounds step_bounds(const TermSum& sum) const;
   [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
 };
 

@@ -24,7 +24,7 @@ class CutValue {
   std::vector<std::complex<double>> value_;
 };
 
-/// The same at many rates, and with single parameters moved: only what depends on these is computed anew.
+/// Values at many rates, and with single parameters moved: only what depends on these is computed anew.
 class CutValues {
  public:
   CutValues(const Expression& expression, std::span<const double> parameters, std::vector<double> rates);

@@ -34,7 +34,7 @@ struct PeakRange {
 [[nodiscard]] double peak_place(std::span<const double> log_tau, std::span<const double> density,
                                 const PeakRange& range);
 
-/// By the trapezoidal rule.
+/// Integral by the trapezoidal rule.
 [[nodiscard]] double peak_area(std::span<const double> log_tau, std::span<const double> density,
                                const PeakRange& range);
 

@@ -185,8 +185,8 @@ class Search {
 
   [[nodiscard]] double exponent(const Node& of) { return value(of.right, 0).real(); }
 
-  /// Where an argument is j pi (k + offset), but for 0.  Its turning is the same way between two times of the grid, or
-  /// between one and a zero, where a root may turn from real to imaginary.
+  /// Rates at which an argument is j pi (k + offset), but for 0.  Its turning is the same way between two times of the
+  /// grid, or between one and a zero, where a root may turn from real to imaginary.
   Places turned(int argument, double offset) {
     const Places ends = merged(grid_, zeros(argument));
     Places result;

@@ -24,7 +24,7 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index ends = 3;
 constexpr double per_decade = 12;
-constexpr double reach = 1.5;         // decades beyond the band
+constexpr double margin = 1.5;        // decades beyond the band
 constexpr double least_noise = 1e-3;  // share of the response
 constexpr double low = 0.025, high = 0.975;
 
@@ -64,7 +64,7 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   const double band = std::log(data.omega().back() / data.omega().front());
   const auto steps = static_cast<std::size_t>(std::ceil(band / std::log(10.0) * per_decade));
   const double spacing = band / static_cast<double>(steps);
-  made.first_seen = static_cast<std::size_t>(std::ceil(reach * std::log(10.0) / spacing));
+  made.first_seen = static_cast<std::size_t>(std::ceil(margin * std::log(10.0) / spacing));
   made.last_seen = made.first_seen + steps;
   const auto times = static_cast<Eigen::Index>(made.last_seen + made.first_seen + 1);
   for (Eigen::Index j = 0; j < times; ++j)
@@ -209,7 +209,7 @@ Found found_of(const Equations& of, const Eigen::VectorXd& x) {
   return found;
 }
 
-/// What the data, with other noise, and the prior allow as well.
+/// Densities that the data, with other noise, and the prior allow as well.
 std::vector<Found> drawn_solutions(const Equations& of, const Solution& of_data, std::uint64_t seed) {
   constexpr std::size_t samples = 100;
   std::mt19937_64 engine(seed);
@@ -287,8 +287,8 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
   auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(found.density), found.density, found.lower, found.upper), of.log_tau,
       found.density);
-  // Beyond the band stands what the prior continues, and a density that is largest at an end of the band falls beyond it
-  // because it has to.
+  // Beyond the band stands what the prior continues, and a density that is largest at an end of the band falls beyond
+  // it because it has to.
   std::erase_if(ranges, [&](const auto& range) { return range.top <= of.first_seen || range.top >= of.last_seen; });
   const auto area_of = [&](const std::vector<double>& density, const detail::PeakRange& range) {
     return detail::peak_area(of.log_tau, density,
@@ -299,7 +299,7 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
     std::vector<double> place, area;
     for (const auto& solution : drawn) {
       const std::vector<double>& each = solution.density;
-      // Where a minimum lies is as uncertain as the density: each solution has its own.
+      // The place of a minimum is as uncertain as the density: each solution has its own.
       const auto minimum_between = [&](std::size_t from, std::size_t to) {
         const auto first = each.begin() + static_cast<std::ptrdiff_t>(from);
         return static_cast<std::size_t>(std::min_element(first, each.begin() + static_cast<std::ptrdiff_t>(to) + 1) -
@@ -356,7 +356,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   result.density = found.density;
   const std::vector<Found> drawn = drawn_solutions(of, of_data, seed);
   const std::vector<Found> others = solutions_of_other_weights(of, normal, of_data);
-  // What smoothing takes from the density itself shows in what it takes from its own result: the density found anew
+  // The loss of the density by smoothing shows in the loss of its own result: the density found anew
   // from the response of the one that was found.
   std::vector<bool> guess = of_data.free;
   const Found again = found_of(of, detail::nonnegative_minimum(of_data.hessian, normal * best, guess));

@@ -174,7 +174,8 @@ class ExactTimes {
   [[nodiscard]] std::vector<double> densities_of(std::span<const Complex> values) const {
     std::vector<double> result;
     for (const Complex value : values) {
-      // What rounding leaves where the values on both sides agree is no density, and at a line there is none beside it.
+      // Rounding that is left where the values on both sides agree is no density, and at a line there is none beside
+      // it.
       const bool is_cut = std::isfinite(std::abs(value)) && std::abs(value.imag()) >= 1e-13 * std::abs(value);
       result.push_back(is_cut ? -sign_of(kernel_) / std::numbers::pi * value.imag() : 0);
     }

@@ -10,7 +10,7 @@ class FrequencyProblem final : public Problem {
  public:
   /// @throws std::invalid_argument  constraints or a weight that do not go with structure or data, as fit() says.
   FrequencyProblem(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
-  /// The same by the parameters themselves; constraints are left aside.
+  /// The problem by the parameters themselves; constraints are left aside.
   FrequencyProblem(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                    ByParameters);
 

@@ -69,7 +69,7 @@ class ParameterMap {
     double derivative;
   };
   [[nodiscard]] std::vector<Entry> jacobian_entries(std::span<const double> parameters) const;
-  /// The same as a matrix, parameter_count() x free().size().
+  /// Derivatives as a matrix, parameter_count() x free().size().
   [[nodiscard]] Eigen::MatrixXd jacobian(std::span<const double> parameters) const;
   /// The frequency exponent of free()[k] at given parameter values.
   [[nodiscard]] double frequency_exponent(std::size_t k, std::span<const double> parameters) const;
@@ -80,7 +80,7 @@ class ParameterMap {
   [[nodiscard]] std::vector<Entry> centre_entries(std::size_t k, std::span<const double> parameters) const;
 
  private:
-  /// Of those parameters that are orders, in the sequence of the parameters.
+  /// Limits of those parameters that are orders, in the sequence of the parameters.
   struct OrderLimits {
     std::vector<double> lower, upper, middle;
   };
@@ -105,7 +105,7 @@ class ParameterMap {
   [[nodiscard]] double log_unit(std::size_t k, std::span<const double> parameters) const;
   [[nodiscard]] double value_at(std::size_t k, double theta, std::span<const double> parameters) const;
   [[nodiscard]] double theta_at(std::size_t k, std::span<const double> parameters) const;
-  /// What theta = 1 adds to the parameter that an entry is above, or to its logarithm.
+  /// The amount that theta = 1 adds to the parameter that an entry is above, or to its logarithm.
   [[nodiscard]] double way_up(std::size_t k, std::span<const double> parameters) const;
   /// Derivatives of an entry times a factor, as those of another parameter.
   void add_slopes(std::size_t k, double factor, std::span<const double> parameters, std::size_t of_parameter,

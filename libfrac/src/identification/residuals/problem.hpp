@@ -12,7 +12,7 @@ namespace frac::detail {
 /// Marks problems whose theta are the parameters of the structure themselves, free of limits.
 struct ByParameters {};
 
-/// What a fit minimises, whatever its data are: residuals of a structure to them, under what is known of its parameters
+/// The problem of a fit, whatever its data are: residuals of a structure to them, under what is known of its parameters
 /// beforehand.
 class Problem {
  public:
@@ -28,7 +28,7 @@ class Problem {
 
   /// At all data and to all digits, with the priors.
   [[nodiscard]] virtual Residuals& residuals() = 0;
-  /// The same problem with one of its parameters held, in the same unit.
+  /// This problem with one of its parameters held, in the same unit.
   [[nodiscard]] virtual std::unique_ptr<Problem> held(std::string_view parameter, double value) const = 0;
 
  protected:

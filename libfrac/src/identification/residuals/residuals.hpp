@@ -23,7 +23,7 @@ class Residuals {
   [[nodiscard]] virtual std::size_t points() const noexcept = 0;
   [[nodiscard]] virtual std::size_t per_point() const noexcept = 0;
   [[nodiscard]] std::size_t count() const noexcept { return points() * per_point(); }
-  /// Where they stand, for a model at theta.
+  /// Their places, for a model at theta.
   [[nodiscard]] virtual ResidualAxis axis(std::span<const double>) const { return {per_point()}; }
   [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
 
@@ -41,7 +41,7 @@ class Residuals {
   /// Null where there are none.
   [[nodiscard]] const Priors* priors() const noexcept { return priors_; }
   [[nodiscard]] double prior_weight() const noexcept { return prior_weight_; }
-  /// What they add to the cost.
+  /// Their part of the cost.
   [[nodiscard]] double prior_cost(std::span<const double> theta) const {
     return priors_ ? prior_weight_ * prior_weight_ * priors_->cost(map_.to_user(theta)) : 0;
   }

@@ -19,7 +19,7 @@ class TimeProblem final : public Problem {
  public:
   /// @throws std::invalid_argument  constraints that do not go with the structure, as fit() says.
   TimeProblem(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options);
-  /// The same by the parameters themselves; constraints are left aside.
+  /// The problem by the parameters themselves; constraints are left aside.
   TimeProblem(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options, ByParameters);
 
   const TimeResponseData& data;
@@ -33,7 +33,7 @@ class TimeProblem final : public Problem {
   [[nodiscard]] const std::shared_ptr<const PeriodicInput>& periodic() const noexcept { return periodic_; }
   /// A parameter of the structure, or the offset.
   [[nodiscard]] std::unique_ptr<Problem> held(std::string_view parameter, double value) const override;
-  /// The same problem with the output at rest known.
+  /// This problem with the output at rest known.
   [[nodiscard]] std::unique_ptr<TimeProblem> with_offset(double offset) const;
 
  private:

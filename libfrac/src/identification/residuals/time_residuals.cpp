@@ -210,9 +210,9 @@ Eigen::VectorXd TimeResiduals::coefficients(const Eigen::MatrixXd& columns, cons
     }
     const Eigen::VectorXd next =
         -PivotedQr(root.asDiagonal() * columns).solve(Eigen::VectorXd(root.asDiagonal() * residual));
-    const bool settled = (columns * (next - found)).norm() <= 1e-14 * (columns * found).norm();
+    const bool converged = (columns * (next - found)).norm() <= 1e-14 * (columns * found).norm();
     found = next;
-    if (settled) break;
+    if (converged) break;
   }
   return found;
 }

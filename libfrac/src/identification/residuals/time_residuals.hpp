@@ -18,7 +18,7 @@ namespace frac::detail {
 /// The lines of the input under Hold::band_limited; null under any other.
 [[nodiscard]] std::shared_ptr<const PeriodicInput> periodic_input(const TimeResponseData& data);
 
-/// What a model answers to the input of a record at the instants given by index: from rest, or in the periodic steady
+/// The answer of a model to the input of a record at the instants given by index: from rest, or in the periodic steady
 /// state where the input is a periodic one.
 class RecordResponse {
  public:
@@ -36,7 +36,7 @@ class RecordResponse {
 [[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
                                                        Sensitivity sensitivity = Sensitivity::all);
 
-/// What the output shows besides the response to the input, and how its noise follows itself; see TimeFitOptions.
+/// Parts of the output besides the response to the input, and how its noise follows itself; see TimeFitOptions.
 struct Background {
   std::optional<double> offset;  // unset: estimated
   bool trend = false;
@@ -101,7 +101,7 @@ class TimeResiduals final : public Residuals {
   void whiten(Eigen::Ref<Eigen::MatrixXd> columns) const;
   /// Weighted residuals of a model with the fixed offset, and what is free of the background at 0.
   [[nodiscard]] Eigen::VectorXd without_background(const Eigen::VectorXd& model) const;
-  /// What to subtract from values with the weights of the residuals to make the loss least.
+  /// The constant to subtract from values with the weights of the residuals to make the loss least.
   [[nodiscard]] double location(const Eigen::VectorXd& values) const;
   /// Coefficients of `columns` that, added to weighted residuals, make the loss least.
   [[nodiscard]] Eigen::VectorXd coefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) const;

@@ -10,7 +10,7 @@ namespace frac::detail {
 namespace {
 
 using Blocks = std::vector<double*>;
-/// Of each block, the variables at a bound beyond which the cost would fall.
+/// Variables of each block at a bound beyond which the cost would fall.
 using Pressing = std::vector<std::vector<int>>;
 
 bool any_at_bound(const ceres::Problem& problem, const Blocks& blocks) {

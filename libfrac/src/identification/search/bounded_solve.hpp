@@ -6,9 +6,10 @@
 
 namespace frac::detail {
 
-/// What all solves have in common.  They stop by relative changes of cost and variables alone, since residuals are
-/// scaled, and print nothing.  A step that a bound cuts short is judged like any other, because a search along it costs
-/// more than the next step.  Sums are formed by one thread, in one order, so that results do not depend on threads.
+/// Options that all solves have in common.  They stop by relative changes of cost and variables alone, since residuals
+/// are scaled, and print nothing.  A step that a bound cuts short is judged like any other, because a search along it
+/// costs more than the next step.  Sums are formed by one thread, in one order, so that results do not depend on
+/// threads.
 [[nodiscard]] ceres::Solver::Options solver_options(int iterations, double cost_tolerance);
 
 /// Ceres, to the minimum within the bounds.  Its steps are those of free variables, cut off at the bounds: where one

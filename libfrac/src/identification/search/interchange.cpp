@@ -136,7 +136,7 @@ std::optional<double> log_time_constant(const std::vector<std::size_t>& part, co
   return std::isnan(sum) ? std::nullopt : std::optional(sum);
 }
 
-/// What a part is sorted by.
+/// The key that a part is sorted by.
 double sort_key(const Structure& structure, const std::vector<std::size_t>& part, bool single_power,
                 const std::vector<double>& parameters, const std::vector<ParameterDimension>& dimensions) {
   std::vector<std::size_t> coefficients;

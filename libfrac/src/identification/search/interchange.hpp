@@ -21,7 +21,7 @@ struct Interchange {
 
 [[nodiscard]] std::vector<Interchange> interchanges(const Structure& structure);
 
-/// The same model with its labels in a fixed order, from the part named first: rising orders of
+/// The model with its labels in a fixed order, from the part named first: rising orders of
 /// single powers, rising time constants of other parts, rising values of the first parameter of those that have
 /// neither.  Parts that a fixed value, a start, a prior or an order tells
 /// apart keep their labels, and so do parts one of which has a value beyond the limits of the other.

@@ -19,7 +19,7 @@ struct LocalOptions {
   double cost_tolerance = 1e-14;  // relative change of the cost at which to stop
   Loss loss = Loss::none;
   double loss_scale = 1;  // residual at which the loss turns from quadratic to robust
-  /// Of the trust region at the start: 1/radius is the share of the curvature by which steps are damped.
+  /// Radius of the trust region at the start: 1/radius is the share of the curvature by which steps are damped.
   double radius = 1e4;
 };
 

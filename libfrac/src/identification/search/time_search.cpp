@@ -80,7 +80,7 @@ class TimeSearch {
     // finish() settles the best; the others only need to be told from it.
     LocalSolution found = local_solve(few_, theta, nearly());
     ends_.push_back(found.cost);
-    // Of equal minima the first counts: the user's start names the parameters.
+    // The first of equal minima counts: the user's start names the parameters.
     if (found.cost + few_.rounding_cost() < result_.best.cost) result_.best = std::move(found);
   }
 
