@@ -42,7 +42,11 @@ void for_each_change(const FrequencyResponseData& data, std::span<const std::com
   }
 }
 
-/// Visits the distances of values from the curve through their neighbours.
+/// Changes that tell a floor to some per cent.
+constexpr std::size_t enough = 40'000;
+
+/// Visits the distances of values from the curve through their neighbours; of very many those of some, for a first
+/// floor.
 template <typename Visit>
 void for_each_change(const FrequencyResponseData& data, const Visit& visit) {
   std::vector<double> log_omega;
@@ -51,7 +55,7 @@ void for_each_change(const FrequencyResponseData& data, const Visit& visit) {
     all.push_back(log_omega.size());
     log_omega.push_back(std::log(omega));
   }
-  for (std::size_t i = 2; i + 2 < all.size(); ++i) {
+  for (std::size_t i = 2, every = 1 + all.size() / enough; i + 2 < all.size(); i += every) {
     const LocalCurve curve = local_curve(log_omega, all, i);
     if (!std::isfinite(curve.noise)) continue;  // among repeats
     Change change{data.value()[i], {{{i, 1}}}, 1};
@@ -242,7 +246,6 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   // A likelihood has no finer structure than the floor's own uncertainty, which is no less than a twentieth.
   const int steps = static_cast<int>(last - first) + 1;
   const auto step_at = [&](int i) { return first + (last - first) * i / steps; };
-  constexpr std::size_t enough = 40'000;
   if (all.size.size() < 2 * enough) {
     for (int i = 0; i <= steps; ++i) try_floor(step_at(i));
   } else {
