@@ -151,6 +151,33 @@ TEST(Simplified, OfRandomModelsWithACommonFactorIsTheSameFunctionWithFewerTerms)
   }
 }
 
+// Long division by orders without a common divisor makes ever more terms, which went on for minutes.  No factor is
+// common to sums of random coefficients and orders, so that the terms stay; one that is put in is found where what it
+// multiplies has a term or two.  The timeout of the test program alone judges the time.
+TEST(Simplified, OfOrdersWithoutACommonDivisorEnds) {
+  support::Random random(3904);
+  const auto sum = [&](int terms) {
+    std::vector<PowerTerm> result{{1, 0}};
+    for (int i = 1; i < terms; ++i) result.push_back({random.uniform(0.5, 2), random.uniform(0.05, 3)});
+    return result;
+  };
+  for (int terms = 3; terms <= 8; ++terms) {
+    const FractionalTransferFunction plain(sum(terms), sum(terms + 1));
+    const FractionalTransferFunction narrow = simplified(plain);
+    EXPECT_EQ(narrow.numerator().size(), plain.numerator().size());
+    EXPECT_EQ(narrow.denominator().size(), plain.denominator().size());
+    const FractionalTransferFunction common(sum(terms), {{1, 0}});
+    const double order = random.uniform(0.1, 0.9);
+    const FractionalTransferFunction with_factor =
+        common / (common * FractionalTransferFunction({{1, order}, {2, 0}}, {{1, 0}}));
+    EXPECT_EQ(simplified(with_factor).denominator().size(), 2u) << terms;
+    for (const double omega : {0.1, 0.9, 7.3}) {
+      const Complex value = plain.response(omega);
+      EXPECT_LE(std::abs(narrow.response(omega) - value), 1e-9 * std::abs(value)) << plain.formula();
+    }
+  }
+}
+
 TEST(Simplified, WholeOrdersAreExactlyWhole) {
   // 0.1 ten times is 0.9999999999999999.
   std::vector<PowerTerm> sum{{1, 0}};

@@ -115,6 +115,27 @@ TEST(Containment, OfEachPairOfPresetsHasTheSameResponse) {
   EXPECT_GE(found_pairs, 159);
 }
 
+// The parts of a ratio as families grow it can be paired in more ways than could be tried in minutes.  What is found
+// is right, and a lag is found.  The timeout of the test program alone judges the time.
+TEST(Containment, InARatioOfManyTermsIsFoundOrGivenUp) {
+  NamedModel rich{};
+  rich.formula =
+      "(b0 + b1 s + b2 s^2 + b3 s^3 + b4 s^4)/((s/p1 + 1) (s/p2 + 1) (s/p3 + 1) (s^2/w1^2 + d1 s/w1 + 1) (s/p4 + 1))";
+  const Structure structure(rich.formula);
+  bool has_lag = false;
+  for (const NamedModel& simple : frac::model_library()) {
+    SCOPED_TRACE(simple.name);
+    const Structure contained(simple.formula);
+    support::Random random(39);
+    const std::vector<double> values = random_values(simple, random);
+    const auto found = frac::detail::contained_in(structure, frac::detail::limits_of(rich), contained, values, 1, 1);
+    if (!found) continue;
+    expect_same_response(structure, *found, contained, values);
+    has_lag = has_lag || simple.name == "lag";
+  }
+  EXPECT_TRUE(has_lag);
+}
+
 /// The relative rms distance of the best fit of a preset to the noise-free response of another, over six decades.
 double distance_of_fit(const NamedModel& rich, const NamedModel& simple, const std::vector<double>& values) {
   const std::vector<double> omega = grid(61, -3, 6);

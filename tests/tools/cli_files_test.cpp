@@ -270,6 +270,37 @@ TEST_F(InputsAndOutputs, WhatCanBeReadOnlyOnceIsRead) {
   EXPECT_TRUE(fs::exists(path("r/index.html")));
 }
 
+// A pipe that never says anything keeps a command in a call of the system, where it cannot look at the clock: without
+// the clock's own end each of these would wait for ever.  What was to be written is not there, nor anything beside it.
+TEST_F(InputsAndOutputs, NoCommandOutlivesItsTimeLimit) {
+  const std::vector<std::string> commands{"convert pipe",
+                                          "fit pipe --model lag",
+                                          "identify pipe",
+                                          "batch pipe --model gain",
+                                          "validate pipe",
+                                          "drt pipe",
+                                          "response pipe",
+                                          "joint-fit pipe other --model lag --shared K",
+                                          "respond --model '1/(s + 1)' --input pipe --time 0:1:11",
+                                          "evaluate --fit pipe --omega 1",
+                                          "merge pipe pipe",
+                                          "report pipe"};
+  fs::create_directory(path("outputs"));
+  std::string script = "cd " + folder.path() + "; mkfifo pipe other; exec 9<>pipe\n";
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::string number = std::to_string(i);
+    script += "{ \"$fracfit\" " + commands[i] + " --time-limit 0.1 --out outputs/" + number + " 2> error" + number +
+              "; echo $? > code" + number + "; } &\n";
+  }
+  EXPECT_EQ(run_shell(script + "wait").code, 0);
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::string number = std::to_string(i);
+    EXPECT_EQ(content_of(path("error" + number)), "fracfit: --time-limit 0.1: the time is over\n") << commands[i];
+    EXPECT_EQ(content_of(path("code" + number)), "1\n") << commands[i];
+  }
+  EXPECT_TRUE(fs::is_empty(path("outputs")));
+}
+
 // A file with very many columns takes time in proportion to them: the square would be minutes here.  The timeout of
 // the test program alone judges.
 TEST(WideFiles, AreReadInProportionAndNamedInShort) {

@@ -59,6 +59,36 @@ TEST(ProgressBar, TellsFromTwoSecondsOnForHowLongUncountedWorkGoesOn) {
   EXPECT_EQ(drawn(false, io::ProgressStyle::lines, 0).value_or(""), "");
 }
 
+// The outer bar has counted nothing for longer than two seconds, but says so only when it is alone again.
+TEST(ProgressBar, OfTwoTheInnerOneIsDrawn) {
+  std::array<int, 2> ends{};
+  if (::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr) != 0) GTEST_SKIP() << "no pseudo-terminals here";
+  const int saved = ::dup(STDERR_FILENO);
+  ::dup2(ends[1], STDERR_FILENO);
+  {
+    const frac::Progress nothing;
+    const io::ProgressBar outer("outer", nothing, io::ProgressStyle::bar);
+    {
+      frac::Progress progress;
+      progress.total = 10;
+      const io::ProgressBar inner("inner", progress, io::ProgressStyle::bar);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2600));
+    }
+    EXPECT_EQ(::write(STDERR_FILENO, "\x03", 1), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  EXPECT_EQ(::write(STDERR_FILENO, "\x04\n", 2), 2);
+  ::dup2(saved, STDERR_FILENO);
+  ::close(saved);
+  std::string text;
+  for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\x04';) text += c;
+  for (const int end : ends) ::close(end);
+  const std::size_t turn = text.find('\x03');
+  EXPECT_LT(text.find("inner ["), turn) << text;
+  EXPECT_GT(text.find("outer"), turn) << text;
+  EXPECT_NE(text.find("outer: at work for", turn), std::string::npos) << text;
+}
+
 TEST(ProgressBar, IsSilentElsewhere) {
   EXPECT_EQ(drawn(false, io::ProgressStyle::bar), "");
   EXPECT_EQ(drawn(true, io::ProgressStyle::none).value_or(""), "");

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -17,6 +18,8 @@ namespace io {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+std::atomic<int> bars = 0;  // that are shown
 
 struct State {
   std::size_t done, total;
@@ -53,7 +56,8 @@ void write_line(const std::string& label, const State& state) {
   std::fflush(stderr);
 }
 
-void watch(const std::stop_token& stop, const std::string& label, const frac::Progress& progress, ProgressStyle style) {
+void watch(const std::stop_token& stop, const std::string& label, const frac::Progress& progress, ProgressStyle style,
+           int place) {
   using std::chrono::milliseconds;
   const milliseconds pause(style == ProgressStyle::bar ? 100 : 1000);
   std::mutex mutex;
@@ -67,6 +71,7 @@ void watch(const std::stop_token& stop, const std::string& label, const frac::Pr
   };
   bool shown = false;
   while (!wakeup.wait_for(lock, stop, pause, [&] { return stop.stop_requested(); })) {
+    if (bars > place) continue;
     if (progress.total.load() == 0) {
       constexpr double soon = 2;  // s
       const double seconds = state().seconds;
@@ -88,14 +93,22 @@ void watch(const std::stop_token& stop, const std::string& label, const frac::Pr
 ProgressBar::ProgressBar(std::string label, const frac::Progress& progress, ProgressStyle style) {
   if (style == ProgressStyle::none || (style == ProgressStyle::bar && ::isatty(STDERR_FILENO) == 0)) return;
   try {
-    thread_ = std::jthread([label = std::move(label), &progress, style](const std::stop_token& stop) {
+    thread_ = std::jthread([label = std::move(label), &progress, style, place = bars + 1](const std::stop_token& stop) {
       try {
-        watch(stop, label, progress, style);
+        watch(stop, label, progress, style, place);
       } catch (const std::bad_alloc&) {  // the work goes on without a picture of it
       }
     });
+    ++bars;
   } catch (const std::system_error&) {  // no further thread is to be had
   }
+}
+
+ProgressBar::~ProgressBar() {
+  if (!thread_.joinable()) return;
+  thread_.request_stop();
+  thread_.join();
+  --bars;
 }
 
 }  // namespace io

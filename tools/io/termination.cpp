@@ -45,17 +45,26 @@ sigset_t ending_signals() {
   std::abort();
 }
 
-void wait_for_signal(const sigset_t& set) {
-  int signal = 0;
-  if (sigwait(&set, &signal) != 0) return;
+void clean_up() {
   Registry& all = registry();
   // Keeps the lock until the program ends, so that nothing is created after the cleaning.
   all.mutex.lock();
   for (auto action = all.actions.rbegin(); action != all.actions.rend(); ++action) (*action)();
+}
+
+void wait_for_signal(const sigset_t& set) {
+  int signal = 0;
+  if (sigwait(&set, &signal) != 0) return;
+  clean_up();
   end_by(signal);
 }
 
 }  // namespace
+
+void end_at_once(int code) {
+  clean_up();
+  std::_Exit(code);
+}
 
 void clean_up_on_signals() {
   const sigset_t set = ending_signals();

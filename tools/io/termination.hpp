@@ -11,8 +11,12 @@ namespace io {
 /// If the system grants no further thread, signals end the program without cleaning.
 void clean_up_on_signals();
 
-/// An action for the case that a signal ends the program while the object lives, such as removing a file under
-/// construction.  Actions run in reverse order of construction, in a thread of their own, and must not throw.
+/// Runs the actions of all living CleanUp objects and ends the program with this exit code, whatever its other threads
+/// are doing.
+[[noreturn]] void end_at_once(int code);
+
+/// An action for the case that the program is ended while the object lives, such as removing a file under construction.
+/// Actions run in reverse order of construction, in a thread of their own, and must not throw.
 class CleanUp {
  public:
   explicit CleanUp(std::function<void()> action);

@@ -294,10 +294,10 @@ class Search {
   using Step = std::function<void(std::size_t, const Demands&, const Monomial&)>;
 
   /// An exact one cannot be bettered; many like parts can be matched in very many ways, of which pairs of presets need
-  /// far fewer than these.
+  /// far fewer than these: 52 ways and 236 pairings of parts at most.
   [[nodiscard]] bool is_over() const {
-    constexpr std::size_t most_ways = 200;
-    return (best_ && !best_->is_limit()) || ways_ > most_ways;
+    constexpr std::size_t most_ways = 200, most_pairings = 1000;
+    return (best_ && !best_->is_limit()) || ways_ > most_ways || pairings_ > most_pairings;
   }
 
   static Monomial inverse(const Monomial& monomial) { return {1 / monomial.number, -monomial.exponents}; }
@@ -323,6 +323,7 @@ class Search {
       if (k == simple.size()) return drop_from(0, so_far, scale);
       for (std::size_t j = 0; j < rich.size() && !is_over(); ++j) {
         if (partner[j] != none) continue;
+        ++pairings_;
         partner[j] = k;
         match_term(rich[j], simple[k], so_far, [&](const Demands& matched, const Monomial& quotient) {
           if (relative && k == 0) return match_from(1, matched, quotient);
@@ -386,6 +387,7 @@ class Search {
   /// @param growth  of all its other terms, measured by that: -1 where they vanish, 0 where they may be as large
   void lead_sum(const Sum& sum, double growth, const Demands& demands, const Next& next) {
     for (std::size_t i = 0; i < sum.size() && !is_over(); ++i) {
+      ++pairings_;
       const Step others_from = [&](std::size_t j, const Demands& so_far, const Monomial& lead) {
         if (j == sum.size()) return next(so_far, lead);
         if (j == i) return others_from(j + 1, so_far, lead);
@@ -610,7 +612,7 @@ class Search {
   double unit_of_value_, unit_of_omega_;
   Index parameters_;
   std::optional<Containment> best_;
-  std::size_t ways_ = 0;
+  std::size_t ways_ = 0, pairings_ = 0;
 };
 
 }  // namespace

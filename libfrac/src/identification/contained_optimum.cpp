@@ -158,37 +158,92 @@ std::optional<InShort> in_short(const FrequencyResponseData& data, FitOptions& o
   return InShort{{means->data.omega(), means->data.value(), std::move(sigma)}, true};
 }
 
-/// The optimum of a contained structure; none where it cannot be lower than the fit of the richer one by the share
-/// `clearly`.
-/// @param optimum_of  searches it with given options
+/// @param solve  fits a structure under options with start values
+template <class Options, class Solve>
+std::optional<FitResult> from_contained(const FitResult& rich, const FitResult& simple, const Options& options,
+                                        const Solve& solve) {
+  const Structure structure(rich.model), contained(simple.model);
+  const std::vector<double> values = values_of(simple, contained);
+  const double gain = std::abs(contained.response(values, simple.centre_omega));
+  const std::optional<Containment> found =
+      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
+  if (!found) return std::nullopt;
+  std::optional<FitResult> best;
+  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
+  // above the simpler optimum, at what changes no cost.
+  for (const double smallness : {1e-6, 1e-14}) {
+    const std::vector<double> start = found->at(smallness);
+    Options warm = options;
+    warm.global_start = false;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
+      if (!own.fixed) own.start = start[i];
+    }
+    try {
+      FitResult fit = solve(structure, warm);
+      if (!best || fit.cost < best->cost) best = std::move(fit);
+    } catch (const std::invalid_argument&) {
+      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
+    }
+    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
+  }
+  return best;
+}
+
+/// The fit, or another one of the same structure where that is lower: a minimum that the search has not seen.
+FitResult lower_of(FitResult fit, std::optional<FitResult> other) {
+  if (!other || !(other->cost < fit.cost)) return fit;
+  other->starts = fit.starts + 1;
+  other->starts_at_best = 1;
+  other->distinct_minima = fit.distinct_minima + 1;
+  other->confidence_of_optimum = confidence_of_optimum(other->starts, other->distinct_minima);
+  other->seconds += fit.seconds;
+  return std::move(*other);
+}
+
+/// The fit, or where the optimum of a structure that it contains is lower the fit from there.
+/// @param clearly  share of the cost that it has to be lower by
+template <class Data>
+FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const OptionsOf<Data>& options,
+                        FitResult fit) {
+  fit.seconds += optimum.seconds;
+  if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
+  return lower_of(fit, fit_from_contained(data, fit, optimum, options));
+}
+
+/// The fit, or where the optimum of a contained structure is lower the fit from there.
+/// @param clearly     share of the cost that it has to be lower by
+/// @param optimum_of  searches that optimum with given options
 template <class Search>
-std::optional<FitResult> contained_optimum(const FrequencyResponseData& data, const FitResult& fit,
-                                           const FitOptions& options, const Structure& contained,
-                                           const FitOptions& of_contained, double clearly, const Search& optimum_of) {
+FitResult no_worse_than(const FrequencyResponseData& data, const FitOptions& options, const Structure& contained,
+                        const FitOptions& of_contained, double clearly, const Search& optimum_of, FitResult fit) {
   FitOptions own = options;
   const std::optional<InShort> some = in_short(data, own);
-  if (!some) return optimum_of(of_contained);
-  const auto square = [&](const FitResult& of) {
-    double sum = 0;
-    for (const double each : weighted_residuals(some->data, own, of)) sum += each * each;
-    return sum;
-  };
-  own.constraints = of_contained.constraints;
-  const FitResult best = unprofiled_fit(some->data, contained, own);
-  if (!best.usable()) return optimum_of(of_contained);
+  if (!some) return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
+  FitOptions own_of_contained = own;
+  own_of_contained.constraints = of_contained.constraints;
+  const FitResult best = unprofiled_fit(some->data, contained, own_of_contained);
+  if (!best.usable()) return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
+  double cost = 0;
+  for (const double each : weighted_residuals(some->data, own, fit)) cost += each * each;
   // Of chosen points the contained structure leaves at its best no more than it leaves of them anywhere.
   constexpr double surely = 1.5;
-  const double of_fit = square(fit);
-  const double least = some->tells_costs ? of_fit - clearly * fit.cost : surely * of_fit;
-  if (!(square(best) < least)) return std::nullopt;
-  return refit(data, contained, started_at(of_contained, best));
+  if (!(best.cost < (some->tells_costs ? cost - clearly * fit.cost : surely * cost))) return fit;
+  if (!some->tells_costs) {
+    const FitResult optimum = refit(data, contained, started_at(of_contained, best));
+    return no_worse_than(data, optimum, clearly, options, std::move(fit));
+  }
+  const auto from = from_contained(fit, best, own, [&](const Structure& structure, const FitOptions& warm) {
+    return unprofiled_fit(some->data, structure, warm);
+  });
+  if (!from || !(from->cost < cost)) return fit;
+  return lower_of(fit, frac::fit(data, Structure(fit.model), started_at(options, *from)));
 }
 /// Simulations of records grow with their length alone; they are all compared.
 template <class Search>
-std::optional<FitResult> contained_optimum(const TimeResponseData&, const FitResult&, const TimeFitOptions&,
-                                           const Structure&, const TimeFitOptions& of_contained, double,
-                                           const Search& optimum_of) {
-  return optimum_of(of_contained);
+FitResult no_worse_than(const TimeResponseData& data, const TimeFitOptions& options, const Structure&,
+                        const TimeFitOptions& of_contained, double clearly, const Search& optimum_of, FitResult fit) {
+  return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
 }
 
 /// The terms of the outermost sum, each with its sign and in parentheses.
@@ -270,56 +325,15 @@ std::vector<const NamedModel*> largest_contained(const Structure& structure,
 template <class Data>
 std::optional<FitResult> fit_from_contained(const Data& data, const FitResult& rich, const FitResult& simple,
                                             const OptionsOf<Data>& options) {
-  const Structure structure(rich.model), contained(simple.model);
-  const std::vector<double> values = values_of(simple, contained);
-  const double gain = std::abs(contained.response(values, simple.centre_omega));
-  const std::optional<Containment> found =
-      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
-  if (!found) return std::nullopt;
-  std::optional<FitResult> best;
-  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
-  // above the simpler optimum, at what changes no cost.
-  for (const double smallness : {1e-6, 1e-14}) {
-    const std::vector<double> start = found->at(smallness);
-    OptionsOf<Data> warm = options;
-    warm.global_start = false;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
-      if (!own.fixed) own.start = start[i];
-    }
-    try {
-      FitResult fit = frac::fit(data, structure, warm);
-      if (!best || fit.cost < best->cost) best = std::move(fit);
-    } catch (const std::invalid_argument&) {
-      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
-    }
-    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
-  }
-  return best;
+  return from_contained(rich, simple, options, [&](const Structure& structure, const OptionsOf<Data>& warm) {
+    return fit(data, structure, warm);
+  });
 }
 
 template std::optional<FitResult> fit_from_contained(const FrequencyResponseData&, const FitResult&, const FitResult&,
                                                      const FitOptions&);
 template std::optional<FitResult> fit_from_contained(const TimeResponseData&, const FitResult&, const FitResult&,
                                                      const TimeFitOptions&);
-
-/// The fit, or where the optimum of a structure that it contains is lower the fit from there.
-/// @param clearly  share of the cost that it has to be lower by
-template <class Data>
-FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const OptionsOf<Data>& options,
-                        FitResult fit) {
-  fit.seconds += optimum.seconds;
-  if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
-  std::optional<FitResult> from = fit_from_contained(data, fit, optimum, options);
-  if (!from || !(from->cost < fit.cost)) return fit;
-  // A minimum that the search has not seen.
-  from->starts = fit.starts + 1;
-  from->starts_at_best = 1;
-  from->distinct_minima = fit.distinct_minima + 1;
-  from->confidence_of_optimum = confidence_of_optimum(from->starts, from->distinct_minima);
-  from->seconds += fit.seconds;
-  return std::move(*from);
-}
 
 template <class Data>
 FitResult no_worse_than_contained(const Data& data, const Structure& structure, const OptionsOf<Data>& asked,
@@ -334,8 +348,7 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
   const auto compare = [&](const Structure& contained, const OptionsOf<Data>& of_contained, double clearly,
                            const auto& optimum_of) {
     try {
-      const auto optimum = contained_optimum(data, fit, options, contained, of_contained, clearly, optimum_of);
-      if (optimum) fit = no_worse_than(data, *optimum, clearly, options, std::move(fit));
+      fit = no_worse_than(data, options, contained, of_contained, clearly, optimum_of, fit);
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.
     }

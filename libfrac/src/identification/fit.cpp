@@ -189,7 +189,7 @@ class ComponentFit {
     if (residuals < problem_.map.free().size()) refuse_count(residuals, problem_.map.free().size());
     const double unit = problem_.rule.unit;
     if (!empty_) solution_ = frequency_search(problem_, extent.hopeless / (unit * unit), extent.settled);
-    if (!(solution_.is_of_means && options.loss == Loss::none)) finish();
+    if (!(solution_.means && options.loss == Loss::none)) finish();
     seconds_ = since(begin_);
   }
 
@@ -238,7 +238,7 @@ class ComponentFit {
   /// Ends the search at the optimum of all points, with parts in order and under the loss.
   void finish() {
     const FitOptions& options = problem_.options;
-    if (solution_.is_of_means) refine_on_all(problem_, extent_.settled, solution_);
+    if (solution_.means) refine_on_all(problem_, extent_.settled, solution_);
     if (solution_.starts_at_best == 0) return;
     detail::LocalSolution& best = solution_.best;
     if (!best.converged) {
@@ -267,7 +267,7 @@ class ComponentFit {
 
   [[nodiscard]] FitResult describe() {
     const Clock::time_point begin = Clock::now();
-    if (solution_.is_of_means) finish();
+    if (solution_.means) finish();
     const FrequencyResponseData& data = problem_.data;
     const Structure& structure = problem_.structure;
     const FitOptions& options = problem_.options;

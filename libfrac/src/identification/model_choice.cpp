@@ -276,7 +276,8 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
     Growth growth = grow(data, family, weighted, most_terms);
     FitOptions telling = options;
     telling.constraints = growth.models[growth.chosen].constraints;
-    weighted.noise_floor = fit(data, Structure(growth.fits[growth.chosen].model), telling).noise_floor;
+    const FitResult& chosen = growth.fits[growth.chosen];
+    weighted.noise_floor = fit(data, Structure(chosen.model), detail::started_at(telling, chosen)).noise_floor;
     return *weighted.noise_floor > 0 ? grow(data, family, weighted, most_terms) : growth;
   }
   if (const auto from_data = family_from_data(family)) return grown_from_data(data, *from_data, options);

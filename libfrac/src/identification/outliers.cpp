@@ -34,14 +34,16 @@ constexpr double of_all = 5.5, of_neighbours = 4, of_neighbours_of_pair = 10;
 /// were alike.
 class Distances {
  public:
-  Distances(const FrequencyResponseData& data, Component component) : component_(component) {
+  Distances(const FrequencyResponseData& data, Component component) {
     const double floor = detail::noise_floor(data, component);
     double largest = 0;
     for (const std::complex<double>& value : data.value()) largest = std::max(largest, std::abs(value));
     for (std::size_t i = 0; i < data.size(); ++i) {
+      const std::complex<double> value = data.value()[i] / largest;
       log_omega_.push_back(std::log(data.omega()[i]));
-      value_.push_back(data.value()[i] / largest);
-      size_.push_back(std::sqrt(std::norm(value_[i]) + std::pow(floor / largest, 2)));
+      size_.push_back(std::sqrt(std::norm(value) + std::pow(floor / largest, 2)));
+      value_.emplace_back(component == Component::imaginary ? 0 : value.real(),
+                          component == Component::real ? 0 : value.imag());
     }
   }
 
@@ -55,17 +57,30 @@ class Distances {
     }
     const auto middle = sizes.begin() + curve.count / 2;
     std::nth_element(sizes.begin(), middle, sizes.begin() + curve.count);
-    const double off = component_ == Component::imaginary ? std::abs(distance.imag())
-                       : component_ == Component::real    ? std::abs(distance.real())
-                                                          : std::sqrt(std::norm(distance));
-    return off / (curve.noise * *middle);
+    return std::sqrt(std::norm(distance)) / (curve.noise * *middle);
+  }
+
+  /// What the distance of any of these points is below, whichever of the others it is measured from.  The weights w of
+  /// a curve sum to 1, so that with values from their mean on |v - sum w v_i| <= sqrt(1 + sum w^2) sqrt(sum of
+  /// squares).
+  [[nodiscard]] double bound(std::span<const std::size_t> points) const {
+    std::complex<double> mean = 0;
+    for (const std::size_t each : points) mean += value_[each] / static_cast<double>(points.size());
+    double sum = 0, smallest = size_[points.front()];
+    for (const std::size_t each : points) {
+      sum += std::norm(value_[each] - mean);
+      smallest = std::min(smallest, size_[each]);
+    }
+    constexpr double rounding = 1 + 1e-6;  // of values, over the least noise that points stand out of
+    return rounding * std::sqrt(sum) / smallest;
   }
 
  private:
-  Component component_;
-  std::vector<std::complex<double>> value_;  // in units of the largest
+  std::vector<std::complex<double>> value_;  // the part in question, in units of the largest value
   std::vector<double> log_omega_, size_;
 };
+
+constexpr std::size_t longest_pattern = 5;
 
 /// Points near each other, as distances from the first among the usable ones.  Each hides the others, whose curves run
 /// through it, so they are tried together.
@@ -77,12 +92,14 @@ const std::vector<Pattern>& patterns() {
   return all;
 }
 
+// Curves reach three points to a side at most.
+constexpr std::size_t curve_reach = 3;
+
 /// By how much the points of a pattern stand out, over what is allowed: above 1 for outliers.
 /// @param all  distances of the usable points
 double excess(const Distances& distance, const std::vector<std::size_t>& usable, const std::vector<double>& all,
               std::size_t first, const Pattern& pattern, double usual) {
-  // Curves reach three points to a side at most.
-  constexpr std::size_t reach = 2, curve_reach = 3, most_rest = 32;
+  constexpr std::size_t reach = 2, most_rest = 32;
   const std::size_t begin = first - std::min(first, reach + curve_reach + 1);
   const std::size_t end = std::min(usable.size(), first + pattern.back() + reach + curve_reach + 2);
   std::array<std::size_t, most_rest> window{};
@@ -147,6 +164,10 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
     double most_excess = 1;
     for (std::size_t first = 0; first < usable.size(); ++first) {
       if (!(all[first] > usual)) continue;
+      const std::size_t before = std::min(first, curve_reach);
+      const std::span around(usable.data() + first - before,
+                             std::min(before + longest_pattern + curve_reach + 1, usable.size() - first + before));
+      if (distance.bound(around) <= of_all * usual) continue;
       for (const Pattern& pattern : patterns()) {
         if (first + pattern.back() >= usable.size()) continue;
         const double by = excess(distance, usable, all, first, pattern, usual);

@@ -99,12 +99,15 @@ struct Division {
   double size;  // of the largest coefficient that the remainder was formed from
 };
 
-// Long division by falling orders, which need not be whole.
+// Long division by falling orders, which need not be whole.  Orders without a common divisor make ever more terms; so
+// many tell no factor, as rounding is then larger than what they leave.
 Division divided(const Terms& dividend, const Terms& divisor) {
   constexpr int most_steps = 400;
+  const std::size_t most_terms = std::max<std::size_t>(most_steps, dividend.size());
   Division result{{}, dividend, 0};
   for (const PowerTerm& term : dividend) result.size = std::max(result.size, std::abs(term.coefficient));
-  for (int step = 0; step < most_steps && !result.remainder.empty(); ++step) {
+  for (int step = 0; step < most_steps; ++step) {
+    if (result.remainder.empty() || result.remainder.size() > most_terms) break;
     const PowerTerm leading = result.remainder.front();
     const PowerTerm term{leading.coefficient / divisor.front().coefficient, leading.order - divisor.front().order};
     if (term.order < -1e-12) break;

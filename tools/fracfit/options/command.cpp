@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/command.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -15,6 +17,7 @@
 
 #include "frac/cancellation.hpp"
 #include "io/data_error.hpp"
+#include "io/termination.hpp"
 #include "output/terminal.hpp"
 
 namespace fracfit {
@@ -55,7 +58,6 @@ Option& Command::add_shard(const std::string& pieces) {
 }
 
 void Command::add_progress() {
-  has_progress_ = true;
   options_.text("--progress", progress_).one_of({"bar", "json"}).unsaid();
 }
 
@@ -95,24 +97,34 @@ int Command::execute() {
 }
 
 int Command::run_in_time() {
-  // Commands with a bar of their own show it; others, that they are at work.
+  // Commands with a bar of their own show it; the others, and these before and after, that they are at work.
   const frac::Progress nothing_counted;
-  std::optional<io::ProgressBar> at_work;
-  if (!has_progress_) at_work.emplace(name_, nothing_counted, progress_style());
+  const io::ProgressBar at_work(name_, nothing_counted, progress_style());
   if (!time_limit_) return run();
+  const std::string reason = "--time-limit " + options_["--time-limit"].text() + ": the time is over";
   std::atomic<bool> is_over = false;
   const frac::CancellationScope watched(is_over);
-  const std::jthread clock([&is_over, seconds = *time_limit_](const std::stop_token& stop) {
+  const std::jthread clock([&](const std::stop_token& stop) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
     std::condition_variable_any wakeup;
-    wakeup.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
-    if (!stop.stop_requested()) is_over = true;
+    const auto ends_within = [&](double seconds) {
+      wakeup.wait_for(lock, stop, std::chrono::duration<double>(seconds), [] { return false; });
+      return stop.stop_requested();
+    };
+    // Long computations look at the flag; a system call, a library or a loop over very many rows may not.
+    constexpr double patience = 1;  // s
+    if (ends_within(*time_limit_)) return;
+    is_over = true;
+    if (ends_within(patience)) return;
+    if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+    complain(reason);
+    io::end_at_once(no_usable_result);
   });
   try {
     return run();
   } catch (const frac::Cancelled&) {
-    throw std::runtime_error("--time-limit " + options_["--time-limit"].text() + ": the time is over");
+    throw std::runtime_error(reason);
   }
 }
 

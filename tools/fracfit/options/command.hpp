@@ -78,7 +78,7 @@ class Command {
   Options options_;
   std::string out_, format_, file_format_;
   int threads_ = 0;
-  bool quiet_ = false, has_progress_ = false;
+  bool quiet_ = false;
   std::optional<double> time_limit_;
   mutable std::string unsaid_;
   io::Shard shard_;

@@ -81,7 +81,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--out", "FILE", "Output file"},
       {"--format", "FORMAT", "Output format"},
       {"--progress", "FORM", "Progress on standard error: a bar on a terminal, or a line of JSON each second"},
-      {"--time-limit", "SECONDS", "Ends without a result after so many seconds"},
+      {"--time-limit", "SECONDS", "Ends without a result after so many seconds, a second later at most"},
       {"--threads", "N", "Threads, 0 for one per core; results do not depend on it"},
   };
   const auto found =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -42,7 +43,11 @@ void for_each_change(const FrequencyResponseData& data, std::span<const std::com
   }
 }
 
-/// Visits the distances of values from the curve through their neighbours.
+/// Changes that tell a floor to some per cent.
+constexpr std::size_t enough = 40'000;
+
+/// Visits the distances of values from the curve through their neighbours; of very many those of some, for a first
+/// floor.
 template <typename Visit>
 void for_each_change(const FrequencyResponseData& data, const Visit& visit) {
   std::vector<double> log_omega;
@@ -51,7 +56,7 @@ void for_each_change(const FrequencyResponseData& data, const Visit& visit) {
     all.push_back(log_omega.size());
     log_omega.push_back(std::log(omega));
   }
-  for (std::size_t i = 2; i + 2 < all.size(); ++i) {
+  for (std::size_t i = 2, every = 1 + all.size() / enough; i + 2 < all.size(); i += every) {
     const LocalCurve curve = local_curve(log_omega, all, i);
     if (!std::isfinite(curve.noise)) continue;  // among repeats
     Change change{data.value()[i], {{{i, 1}}}, 1};
@@ -228,50 +233,33 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   constexpr double rounding = 1e-10;
   if (changed.empty() || !(median(std::move(changed)) > rounding * rounding)) return 0;
 
-  const double none = likelihood(all, 0);
-  double best = 0, highest = none;
-  const double first = std::log(smallest / largest / 10), last = std::log(30.0);
-  const auto try_floor = [&](double log_floor) {
-    const double floor = std::exp(log_floor), here = likelihood(all, floor);
-    if (here > highest) {
-      highest = here;
-      best = floor;
-    }
-    return here;
+  // Some of very many changes tell about where the likelihood of all is highest.
+  const Squares some = spread_over(all, enough);
+  constexpr double no_floor = -std::numeric_limits<double>::infinity();
+  double best = no_floor, highest = likelihood(some, 0);  // best: the logarithm of the floor
+  const auto try_floor = [&](const Squares& among, double log_floor) {
+    const double here = likelihood(among, std::exp(log_floor));
+    if (!(here > highest)) return;
+    highest = here;
+    best = log_floor;
   };
   // A likelihood has no finer structure than the floor's own uncertainty, which is no less than a twentieth.
+  const double first = std::log(smallest / largest / 10), last = std::log(30.0);
   const int steps = static_cast<int>(last - first) + 1;
-  const auto step_at = [&](int i) { return first + (last - first) * i / steps; };
-  constexpr std::size_t enough = 40'000;
-  if (all.size.size() < 2 * enough) {
-    for (int i = 0; i <= steps; ++i) try_floor(step_at(i));
-  } else {
-    // Some of very many changes tell about where the likelihood of all is highest, which is climbed from there.
-    const Squares some = spread_over(all, enough);
-    int about = 0;
-    for (int i = 1; i <= steps; ++i)
-      if (likelihood(some, std::exp(step_at(i))) > likelihood(some, std::exp(step_at(about)))) about = i;
-    double here = try_floor(step_at(about));
-    for (const int side : {-1, 1}) {
-      for (int next = about + side; next >= 0 && next <= steps; next += side) {
-        const double there = try_floor(step_at(next));
-        if (!(there > here)) break;
-        here = there;
-      }
-    }
-  }
-  if (best == 0) return 0;
-  const double about = std::log(best);
-  for (const double shift : {-0.75, -0.5, -0.25, 0.25, 0.5, 0.75}) try_floor(about + shift);
-  const double near = std::log(best);
-  for (const double shift : {-0.12, 0.12}) try_floor(near + shift);
+  for (int i = 0; i <= steps; ++i) try_floor(some, first + (last - first) * i / steps);
+  if (best == no_floor) return 0;
+  const double about = best;
+  for (const double shift : {-0.75, -0.5, -0.25, 0.25, 0.5, 0.75}) try_floor(some, about + shift);
+  const double near = best, none = likelihood(all, 0);
+  highest = likelihood(all, std::exp(near));
+  for (const double shift : {-0.12, 0.12}) try_floor(all, near + shift);
   // A floor that is found where there is none is small and does little harm; one that is missed makes intervals wrong.
   constexpr double clearly = 2;
   if (!(highest - none > clearly)) return 0;
   // Changes of residuals that follow each other are no noise, and tell no floor of it.  Those of the values themselves
   // are also what the curve through few neighbours misses, and a first floor of them does little harm.
-  const bool misfit = of_residuals && are_alike(all, change, component == Component::both ? 2 : 1, best);
-  return misfit ? 0 : best * largest;
+  const bool misfit = of_residuals && are_alike(all, change, component == Component::both ? 2 : 1, std::exp(best));
+  return misfit ? 0 : std::exp(best) * largest;
 }
 
 bool tells_a_floor(const FrequencyResponseData& data, Component component) {

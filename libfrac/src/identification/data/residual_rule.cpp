@@ -157,7 +157,8 @@ std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight, d
       break;
     case Weight::learned:
       scale = told_magnitude(data);
-      for (double& each : scale) each = std::hypot(each, floor);
+      if (floor > 0)
+        for (double& each : scale) each = std::hypot(each, floor);
       break;
     case Weight::smoothed_relative:
       scale = smoothed_magnitude(data);

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
+#include "identification/search/linearisation.hpp"
 #include "identification/search/start_values.hpp"
-#include "identification/search/thinned.hpp"
 
 namespace frac::detail {
 namespace {
@@ -50,6 +52,27 @@ GlobalSolution search_from_start(FrequencyProblem& problem, const FewResiduals& 
   return result;
 }
 
+/// Means moved as little as makes the slope of their sum of squares by the variables that of all points; empty where
+/// the model is not finite.
+std::optional<Thinned> with_slope_of(const Linearisation& all, const FewResiduals& means,
+                                     const std::vector<double>& theta) {
+  const auto slope_of = [](const Linearisation& at) -> Eigen::VectorXd {
+    return at.jacobian.transpose() * at.residuals();
+  };
+  const auto of_means = linearised(means.residuals, theta);
+  if (!of_means) return std::nullopt;
+  const Eigen::VectorXd shift = shortest_solution(of_means->jacobian.transpose(), slope_of(all) - slope_of(*of_means));
+  const auto& [data, rule] = means.points;
+  std::vector<std::complex<double>> value = data.value();
+  for (std::size_t i = 0, row = 0; i < value.size(); ++i) {
+    for (const std::complex<double> part : {std::complex<double>(1, 0), std::complex<double>(0, 1)}) {
+      if (rule.form == (part.real() == 1 ? ResidualForm::imaginary : ResidualForm::real)) continue;
+      value[i] -= part * shift[static_cast<Eigen::Index>(row++)] / rule.weight[i];
+    }
+  }
+  return Thinned{{data.omega(), std::move(value)}, rule};
+}
+
 }  // namespace
 
 FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, double settled) {
@@ -64,9 +87,9 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
   // The way along a valley is gone on means of very many points.
   constexpr std::size_t bins = 10'000;
   if (problem.data.size() > 2 * bins) {
-    if (auto means = binned(problem.data, problem.rule, bins)) {
-      result.best = local_solve(FewResiduals(problem, std::move(*means)).residuals, result.best.theta, options);
-      result.is_of_means = true;
+    result.means = binned(problem.data, problem.rule, bins);
+    if (result.means) {
+      result.best = local_solve(FewResiduals(problem, *result.means).residuals, result.best.theta, options);
       if (!std::isfinite(result.best.cost)) return {};
       return result;
     }
@@ -80,15 +103,30 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
 
 void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution& solution) {
   LocalOptions options;
-  // So near, steps need no damping, which would make many of the last few along a valley.
-  options.radius = 1e12;
   // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
   // standard error; sums of so many squares are known no better than some 1e-14.
   constexpr double gain = 1e-6;
   options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
-  solution.best = local_solve(problem.residuals(), solution.best.theta, options);
-  solution.is_of_means = false;
-  if (!std::isfinite(solution.best.cost)) solution = {};
+  Thinned means = *std::exchange(solution.means, std::nullopt);
+  const Residuals& all = problem.residuals();
+  LocalSolution& best = solution.best;
+  // One round is enough nearly always: means stand for all points but for a small share of their information.
+  constexpr int most_rounds = 5;
+  for (int round = 0; round < most_rounds && !best.theta.empty(); ++round) {
+    const auto at_best = linearised(all, best.theta);
+    auto moved = at_best ? with_slope_of(*at_best, FewResiduals(problem, std::move(means)), best.theta) : std::nullopt;
+    if (!moved) break;
+    means = std::move(*moved);
+    best.cost = best.objective = at_best->residuals().squaredNorm() + all.prior_cost(best.theta);
+    const LocalSolution end = local_solve(FewResiduals(problem, means).residuals, best.theta, {});
+    const double before = best.cost, after = all.cost(end.theta);
+    if (after < before) best = {end.theta, after, after, true};
+    if (end.converged && std::abs(after - before) <= options.cost_tolerance * before) return;
+  }
+  // So near, steps need no damping, which would make many of the last few along a valley.
+  options.radius = 1e12;
+  best = local_solve(all, best.theta, options);
+  if (!std::isfinite(best.cost)) solution = {};
 }
 
 }  // namespace frac::detail

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "identification/residuals/frequency_problem.hpp"
 #include "identification/search/global_search.hpp"
+#include "identification/search/thinned.hpp"
 
 namespace frac::detail {
 
 struct FrequencySolution : GlobalSolution {
-  /// Whether it is the optimum of means of very many points over bins, which is that of all points to a small part of
+  /// The means of very many points over bins that it is the optimum of, which is that of all points to a small part of
   /// its standard errors; see refine_on_all().
-  bool is_of_means = false;
+  std::optional<Thinned> means;
 };
 
 /// The optimum of a fit to a frequency response: global_search() on a thinned copy of many points, finished on all, or

@@ -14,6 +14,9 @@ struct Linearisation {
   std::vector<double> residual;
   Eigen::MatrixXd jacobian;
 
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> residuals() const {
+    return {residual.data(), static_cast<Eigen::Index>(residual.size())};
+  }
   /// A square matrix with the singular values and the right singular vectors of the Jacobian.
   [[nodiscard]] Eigen::MatrixXd reduced() const;
 };

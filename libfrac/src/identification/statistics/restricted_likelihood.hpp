@@ -21,14 +21,27 @@ class RestrictedLikelihood {
       : count_(static_cast<double>(residual.size())), series_(static_cast<double>(per_point)), width_(basis.cols()) {
     const auto rows = static_cast<Eigen::Index>(residual.size());
     const auto stride = static_cast<Eigen::Index>(per_point);
-    Eigen::MatrixXd all(rows, width_ + 1);
-    all << basis, Eigen::Map<const Eigen::VectorXd>(residual.data(), rows);
-    const Eigen::Index inner = rows - stride;
-    whole_ = all.transpose() * all;
-    const Eigen::MatrixXd product = all.topRows(inner).transpose() * all.bottomRows(inner);
+    whole_ = Eigen::MatrixXd::Zero(width_ + 1, width_ + 1);
+    Eigen::MatrixXd product = whole_;
+    // By blocks: a copy of very many rows takes longer than their products.
+    constexpr Eigen::Index block = 2048;
+    const auto rows_from = [&](Eigen::Index first, Eigen::Index count) {
+      Eigen::MatrixXd some(count, width_ + 1);
+      some << basis.middleRows(first, count), Eigen::Map<const Eigen::VectorXd>(residual.data() + first, count);
+      return some;
+    };
+    for (Eigen::Index first = 0; first < rows; first += block) {
+      const Eigen::MatrixXd some = rows_from(first, std::min(block + stride, rows - first));
+      const Eigen::Index pairs = std::max<Eigen::Index>(some.rows() - stride, 0);
+      const auto here = some.topRows(std::min(block, rows - first));
+      whole_ += here.transpose() * here;
+      product += some.topRows(pairs).transpose() * some.bottomRows(pairs);
+    }
     neighbours_ = product + product.transpose();
-    const Eigen::MatrixXd middle = all.middleRows(stride, std::max<Eigen::Index>(rows - 2 * stride, 0));
-    middle_ = middle.transpose() * middle;
+    middle_ = Eigen::MatrixXd::Zero(width_ + 1, width_ + 1);
+    if (rows <= 2 * stride) return;
+    const Eigen::MatrixXd head = rows_from(0, stride), tail = rows_from(rows - stride, stride);
+    middle_ = whole_ - head.transpose() * head - tail.transpose() * tail;
   }
 
   struct Value {

@@ -41,31 +41,31 @@ struct Matern {
 
 }  // namespace
 
-Eigen::MatrixXd SmoothError::turned(Eigen::MatrixXd columns) const {
-  for (std::size_t i = 0; i < axis_.factor.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i * axis_.per_point);
-    const std::complex<double> factor = axis_.factor[i];
-    for (Eigen::Index column = 0; column < columns.cols(); ++column) {
-      double& first = columns(row, column);
-      if (axis_.per_point == 1) {
-        first *= factor.real();
+void SmoothError::turn(std::size_t first, Eigen::Ref<Eigen::MatrixXd> rows) const {
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  const Eigen::Index points = axis_.factor.empty() ? 0 : rows.rows() / parts;
+  for (Eigen::Index column = 0; column < rows.cols(); ++column) {
+    for (Eigen::Index i = 0; i < points; ++i) {
+      const std::complex<double> factor = axis_.factor[first + static_cast<std::size_t>(i)];
+      double* const part = &rows(i * parts, column);
+      if (parts == 1) {
+        part[0] *= factor.real();
         continue;
       }
-      double& second = columns(row + 1, column);
-      const std::complex<double> pair = std::complex<double>(first, second) * factor;
-      first = pair.real();
-      second = pair.imag();
+      const double real = part[0], imag = part[1];
+      part[0] = real * factor.real() - imag * factor.imag();
+      part[1] = real * factor.imag() + imag * factor.real();
     }
   }
-  return columns;
 }
 
-Eigen::MatrixXd SmoothError::block_sums(const Eigen::VectorXd& column) const {
-  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), parts);
-  for (Eigen::Index row = 0; row < column.size(); ++row)
-    sums(row / (parts * static_cast<Eigen::Index>(block_)), row % parts) += column[row];
-  return sums;
+template <typename Visit>
+void SmoothError::for_each_piece(const Visit& visit) const {
+  const std::size_t piece = block_ * std::max<std::size_t>(1, most_blocks / block_);
+  for (std::size_t first = 0; first < axis_.position.size(); first += piece) {
+    const std::size_t row = first * axis_.per_point, end = std::min(axis_.position.size(), first + piece);
+    visit(first, static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(end * axis_.per_point - row));
+  }
 }
 
 SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd& basis, const ResidualAxis& axis)
@@ -83,17 +83,31 @@ SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd
   spacing_ = (position_.back() - position_.front()) / std::max(1.0, static_cast<double>(position_.size()) - 1);
 
   const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  Eigen::MatrixXd all(basis.rows(), width_ + 1);
-  all << basis, Eigen::Map<const Eigen::VectorXd>(residual.data(), basis.rows());
-  all = turned(std::move(all));
-  means_.resize(static_cast<Eigen::Index>(position_.size()) * parts, all.cols());
-  for (Eigen::Index column = 0; column < all.cols(); ++column) {
-    const Eigen::MatrixXd sums = block_sums(all.col(column));
-    for (Eigen::Index row = 0; row < means_.rows(); ++row)
-      means_(row, column) = sums(row / parts, row % parts) / std::sqrt(points_[static_cast<std::size_t>(row / parts)]);
-  }
-  within_ = Rows::Zero(all.cols(), all.cols());
-  if (block_ > 1) within_ = all.transpose() * all - means_.transpose() * means_;
+  means_.resize(static_cast<Eigen::Index>(position_.size()) * parts, width_ + 1);
+  within_ = Rows::Zero(width_ + 1, width_ + 1);
+  for_each_piece([&](std::size_t first, Eigen::Index row, Eigen::Index rows) {
+    Eigen::MatrixXd all(rows, width_ + 1);
+    all << basis.middleRows(row, rows), Eigen::Map<const Eigen::VectorXd>(residual.data() + row, rows);
+    turn(first, all);
+    const Eigen::MatrixXd sums = block_sums(all);
+    means_.middleRows(static_cast<Eigen::Index>(first / block_) * parts, sums.rows()) = sums;
+    if (block_ > 1) within_ += all.transpose() * all;
+  });
+  for (Eigen::Index row = 0; row < means_.rows(); ++row)
+    means_.row(row) /= std::sqrt(points_[static_cast<std::size_t>(row / parts)]);
+  if (block_ > 1) within_ -= means_.transpose() * means_;
+}
+
+Eigen::MatrixXd SmoothError::block_sums(const Eigen::MatrixXd& rows) const {
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  const Eigen::Index length = static_cast<Eigen::Index>(block_) * parts, blocks = (rows.rows() + length - 1) / length;
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(blocks * parts, rows.cols());
+  for (Eigen::Index column = 0; column < rows.cols(); ++column)
+    for (Eigen::Index block = 0; block < blocks; ++block)
+      for (Eigen::Index row = block * length; row < std::min(rows.rows(), (block + 1) * length); row += parts)
+        for (Eigen::Index part = 0; part < parts; ++part)
+          sums(block * parts + part, column) += rows(row + part, column);
+  return sums;
 }
 
 double SmoothError::longest() const {
@@ -145,8 +159,17 @@ SmoothError::Likelihood SmoothError::at(double share, double length) const {
 }
 
 SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each) const {
-  const Eigen::VectorXd column = turned(each);
-  return {column.squaredNorm(), block_sums(column)};
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  Influence result{0, Eigen::MatrixXd(static_cast<Eigen::Index>(position_.size()), parts)};
+  for_each_piece([&](std::size_t first, Eigen::Index row, Eigen::Index rows) {
+    Eigen::MatrixXd column = each.segment(row, rows);
+    turn(first, column);
+    result.square += column.squaredNorm();
+    const Eigen::MatrixXd sums = block_sums(column);
+    for (Eigen::Index i = 0; i < sums.rows(); ++i)
+      result.sums(static_cast<Eigen::Index>(first / block_) + i / parts, i % parts) = sums(i, 0);
+  });
+  return result;
 }
 
 double SmoothError::variance(const Influence& of, double share, double length) const {

@@ -42,10 +42,14 @@ class SmoothError {
   [[nodiscard]] double variance(const Influence& of, double share, double length) const;
 
  private:
-  /// Columns times the factors of the points.
-  [[nodiscard]] Eigen::MatrixXd turned(Eigen::MatrixXd columns) const;
-  /// Sums of a turned column over the blocks: blocks x residuals of a point.
-  [[nodiscard]] Eigen::MatrixXd block_sums(const Eigen::VectorXd& column) const;
+  /// Takes the rows of some points, from the first of these, times the factors of the points.
+  void turn(std::size_t first, Eigen::Ref<Eigen::MatrixXd> rows) const;
+  /// Sums of turned rows over blocks, the first of which begins with them: a row for each residual of a point.
+  [[nodiscard]] Eigen::MatrixXd block_sums(const Eigen::MatrixXd& rows) const;
+  /// Visits pieces of whole blocks, short enough for the memory next to the processor: the first point, the first row
+  /// and the number of rows of each.
+  template <typename Visit>
+  void for_each_piece(const Visit& visit) const;
 
   ResidualAxis axis_;
   std::size_t block_;             // points of a block but the last
