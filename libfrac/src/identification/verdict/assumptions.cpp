@@ -96,9 +96,8 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
   const std::string what = !taken.active     ? "poles right of the imaginary axis"
                            : !taken.unstable ? "a negative real part"
                                              : "poles right of the imaginary axis and a negative real part";
-  const auto without = candidates.best(
-      chosen, [](const Liberties& each) { return !each.unstable && !each.active; },
-      [&](std::size_t i) { return candidates.against(i, chosen); });
+  const auto keeps = [](const Liberties& each) { return !each.unstable && !each.active; };
+  const auto without = candidates.best(chosen, keeps, [&](std::size_t i) { return candidates.against(i, chosen); });
   if (!without) {
     result.notes.push_back("'" + candidates[chosen].ranked.name + "' has " + what +
                            ", and no candidate of its class is without.");
@@ -112,7 +111,8 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
     return;
   }
   result.notes.push_back("Chosen is a model without " + what + ": " + comparison + ".");
-  choose(result, *without);
+  // What is chosen may follow a smooth error: that is no reason against what it is.
+  choose(result, *candidates.best(chosen, keeps, [&](std::size_t i) { return criterion(candidates[i]); }));
 }
 
 /// A dead time is nothing that a system has or has not by its nature.  It pays the price of its parameter by Schwarz's
