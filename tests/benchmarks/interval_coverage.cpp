@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coverage of the 95 % intervals by the kind of noise: white, correlated along the axis, additive, mixed,
 // and a smooth error.  Prints case,noise,points,parameter,coverage,median relative half width,seconds.  Arguments:
-// [trials] [kind].
+// [trials] [kind] [seed].
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -12,8 +13,10 @@
 
 namespace {
 
+std::uint64_t seed = 20261;
+
 void print(const support::CoverageCase& scene, const char* kind, double level, int trials) {
-  const support::Coverage coverage = support::measure_coverage(scene, trials, 20261);
+  const support::Coverage coverage = support::measure_coverage(scene, trials, seed);
   for (std::size_t i = 0; i < coverage.name.size(); ++i) {
     std::printf("%s,%s %g,%d,%s,%.3f,%.3g,%.2e\n", scene.model.name, kind, level, scene.points,
                 coverage.name[i].c_str(), coverage.share[i], coverage.half_width[i], coverage.seconds);
@@ -26,6 +29,7 @@ void print(const support::CoverageCase& scene, const char* kind, double level, i
 int main(int argc, char** argv) {
   const int trials = argc > 1 ? std::atoi(argv[1]) : 1000;
   const std::string only = argc > 2 ? argv[2] : "";
+  if (argc > 3) seed = std::strtoull(argv[3], nullptr, 10);
   std::printf("# %s, GCC %s, %d trials\ncase,noise,points,parameter,coverage,half_width,seconds\n", FRACFIT_BUILD_TYPE,
               __VERSION__, trials);
   for (const support::CoverageModel& model : support::coverage_models()) {

@@ -55,7 +55,8 @@ bool approximates(const RationalProblem& problem, const RationalLadder& ladder) 
 /// The members of a family with poles in one region.
 struct Grown {
   FamilyMembers members;
-  RationalFit chosen;
+  std::vector<RationalFit> fits;
+  [[nodiscard]] const RationalFit& chosen() const { return fits.at(members.chosen); }
 };
 
 Grown grown_family(const RationalProblem& problem, const RationalFamily& family, Component component,
@@ -64,8 +65,8 @@ Grown grown_family(const RationalProblem& problem, const RationalFamily& family,
   Grown grown;
   FamilyMembers& members = grown.members;
   if (family.zeros) {
-    grown.chosen = fit_rational(problem, *family.zeros, family.fewest_poles, kind);
-    members.models.push_back(written_out(problem, grown.chosen.shape, component));
+    grown.fits = {fit_rational(problem, *family.zeros, family.fewest_poles, kind)};
+    members.models.push_back(written_out(problem, grown.chosen().shape, component));
     return grown;
   }
   const bool by_default = family == RationalFamily{};
@@ -75,8 +76,8 @@ Grown grown_family(const RationalProblem& problem, const RationalFamily& family,
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
   if (ladder.fits.empty()) return grown;
-  grown.chosen = ladder.fits[ladder.chosen];
-  const RationalFit& best = grown.chosen;
+  grown.fits = ladder.fits;
+  const RationalFit& best = grown.chosen();
   members.exact = ladder.fits.back().cost <= problem.negligible_cost();
   if (!family.free_order) {
     members.relaxations = best.shape.relaxations();
@@ -94,7 +95,9 @@ std::string share_of_data(const RationalProblem& problem, const RationalFit& fit
   return four_digits(100 * std::sqrt(fit.cost / static_cast<double>(problem.rows()))) + " %";
 }
 
-/// The family with stable poles, unless nobody assumes them or the data speak against them.
+/// The family with stable poles, unless nobody assumes them or the data speak against them.  Where the free family is
+/// unstable, the stable member is taken that the data speak against least: the one by which the family would end has
+/// parameters that follow a smooth error of the measurement, which are no reason against it.
 FamilyMembers rational_members(const FrequencyResponseData& data, const ResidualRule& rule,
                                const RationalFamily& family, const FitOptions& options, RatioGrowths& ratios) {
   const RationalProblem anywhere(data, rule);
@@ -106,19 +109,23 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   Grown free;
   if (stable != true) {
     free = grown_family(anywhere, family, options.component, ratios);
-    if (stable == false || free.members.models.empty() || !is_unstable(free.chosen.shape)) return free.members;
+    if (stable == false || free.members.models.empty() || !is_unstable(free.chosen().shape)) return free.members;
   }
   const RationalProblem left(data, rule, Poles::stable);
   Grown held = grown_family(left, family, options.component, ratios.stable());
   if (stable == true || held.members.models.empty()) return held.members;
-  const auto leftover = [&](const Grown& grown) {
+  const auto leftover = [&](const RationalFit& fit) {
     const auto rows = static_cast<double>(left.rows());
-    return Leftover{std::sqrt(grown.chosen.cost / rows), left.correlation(grown.chosen.shape),
-                    price_of_parameters(static_cast<double>(grown.chosen.parameters), rows)};
+    return Leftover{std::sqrt(fit.cost / rows), left.correlation(fit.shape),
+                    price_of_parameters(static_cast<double>(fit.parameters), rows)};
   };
-  const double evidence = evidence_against(leftover(held), leftover(free), left.rows());
-  const std::string closer = share_of_data(left, free.chosen), of_stable = share_of_data(left, held.chosen);
-  const bool refuted = evidence > price_of_assumption;
+  const Leftover closest = leftover(free.chosen());
+  std::vector<double> against;
+  for (const RationalFit& fit : held.fits) against.push_back(evidence_against(leftover(fit), closest, left.rows()));
+  const auto least = std::min_element(against.begin(), against.end());
+  held.members.chosen = static_cast<std::size_t>(least - against.begin());
+  const std::string closer = share_of_data(left, free.chosen()), of_stable = share_of_data(left, held.chosen());
+  const bool refuted = *least > price_of_assumption;
   held.members.stands_in = true;
   FamilyMembers taken = std::move(refuted ? free.members : held.members);
   taken.set_aside = std::make_shared<const FamilyMembers>(std::move(refuted ? held.members : free.members));

@@ -33,23 +33,27 @@ class Candidates {
     if (!liberties_[i]) liberties_[i] = liberties_of(competitors_[i].ranked);
     return *liberties_[i];
   }
-  /// The candidate of the class of `chosen` with the least criterion that `keeps` says yes to.
-  template <class Keeps>
-  std::optional<std::size_t> best(std::size_t chosen, const Keeps& keeps) {
+  /// The candidate of the class of `chosen` with the least `value` that `keeps` says yes to.
+  template <class Keeps, class Value>
+  std::optional<std::size_t> best(std::size_t chosen, const Keeps& keeps, const Value& value) {
     std::optional<std::size_t> found;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < competitors_.size(); ++i) {
       const Competitor& each = competitors_[i];
       const bool rival = each.ranked.model_class == competitors_[chosen].ranked.model_class && is_comparable(each) &&
                          each.ranked.fit.termination == FitTermination::converged;
-      if (!rival || !(criterion(each) < least) || !keeps(liberties(i))) continue;
-      least = criterion(each);
+      if (!rival || !keeps(liberties(i)) || !(value(i) < least)) continue;
+      least = value(i);
       found = i;
     }
     return found;
   }
   [[nodiscard]] double correlation(std::size_t i) const {
     return autocorrelation(competitors_[i].residual, residuals_per_point(data_, options_), 1);
+  }
+  /// Evidence against one candidate by another.
+  [[nodiscard]] double against(std::size_t held, std::size_t rival) const {
+    return evidence_against(leftover(held), leftover(rival), competitors_[rival].residual.size());
   }
   /// "'lag' (2 parameters, rms 1.2 %) against 'lag-delay' (3 parameters, rms 1.1 %), evidence 0.3"
   [[nodiscard]] std::string comparison(std::size_t without, std::size_t chosen, double evidence) const {
@@ -58,6 +62,11 @@ class Candidates {
   }
 
  private:
+  [[nodiscard]] Leftover leftover(std::size_t i) const {
+    const Competitor& each = competitors_[i];
+    return {each.ranked.fit.relative_rms, correlation(i),
+            price_of_parameters(each.parameters(), static_cast<double>(each.residual.size()))};
+  }
   [[nodiscard]] Liberties liberties_of(const RankedFit& ranked) const {
     Liberties result;
     const Assumptions& assumptions = options_.assumptions;
@@ -79,12 +88,6 @@ void choose(IdentificationResult& result, std::size_t index) {
   result.chosen = index;
 }
 
-/// What a candidate leaves of the data.
-Leftover leftover_of(const Candidates& candidates, std::size_t i) {
-  return {candidates[i].ranked.fit.relative_rms, candidates.correlation(i),
-          price_of_parameters(candidates[i].parameters(), static_cast<double>(candidates[i].residual.size()))};
-}
-
 void keep_to_physics(IdentificationResult& result, const FitOptions& options, Candidates& candidates) {
   const std::size_t chosen = result.chosen;
   const Liberties taken = candidates.liberties(chosen);
@@ -93,14 +96,14 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
   const std::string what = !taken.active     ? "poles right of the imaginary axis"
                            : !taken.unstable ? "a negative real part"
                                              : "poles right of the imaginary axis and a negative real part";
-  const auto without = candidates.best(chosen, [](const Liberties& each) { return !each.unstable && !each.active; });
+  const auto keeps = [](const Liberties& each) { return !each.unstable && !each.active; };
+  const auto without = candidates.best(chosen, keeps, [&](std::size_t i) { return candidates.against(i, chosen); });
   if (!without) {
     result.notes.push_back("'" + candidates[chosen].ranked.name + "' has " + what +
                            ", and no candidate of its class is without.");
     return;
   }
-  const double evidence = evidence_against(leftover_of(candidates, *without), leftover_of(candidates, chosen),
-                                           candidates[chosen].residual.size());
+  const double evidence = candidates.against(*without, chosen);
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
   const bool excluded = options.assumptions.stable == true && taken.unstable;
   if (evidence > count * price_of_assumption && !excluded) {
@@ -108,7 +111,8 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
     return;
   }
   result.notes.push_back("Chosen is a model without " + what + ": " + comparison + ".");
-  choose(result, *without);
+  // What is chosen may follow a smooth error: that is no reason against what it is.
+  choose(result, *candidates.best(chosen, keeps, [&](std::size_t i) { return criterion(candidates[i]); }));
 }
 
 /// A dead time is nothing that a system has or has not by its nature.  It pays the price of its parameter by Schwarz's
@@ -117,9 +121,12 @@ void keep_to_no_dead_time(IdentificationResult& result, Candidates& candidates) 
   const std::size_t chosen = result.chosen;
   const Liberties taken = candidates.liberties(chosen);
   if (!taken.delayed) return;
-  const auto without = candidates.best(chosen, [&](const Liberties& each) {
-    return !each.delayed && each.unstable <= taken.unstable && each.active <= taken.active;
-  });
+  const auto without = candidates.best(
+      chosen,
+      [&](const Liberties& each) {
+        return !each.delayed && each.unstable <= taken.unstable && each.active <= taken.active;
+      },
+      [&](std::size_t i) { return criterion(candidates[i]); });
   if (!without) return;
   const double evidence = (criterion(candidates[*without]) - criterion(candidates[chosen])) *
                           independent_share(candidates.correlation(*without));
@@ -151,8 +158,7 @@ void prefer_elements(IdentificationResult& result, const FrequencyResponseData& 
   const std::size_t chosen = result.chosen, passive = static_cast<std::size_t>(found - competitors.begin());
   if (passive == chosen || !competitors[chosen].ranked.from_family) return;
   const Candidates candidates(competitors, data, options);
-  const double evidence = evidence_against(leftover_of(candidates, passive), leftover_of(candidates, chosen),
-                                           candidates[chosen].residual.size());
+  const double evidence = candidates.against(passive, chosen);
   if (evidence > price_of_assumption) return;
   result.notes.push_back("Chosen is a sum of passive elements: " + candidates.comparison(passive, chosen, evidence) +
                          ".");

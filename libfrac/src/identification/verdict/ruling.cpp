@@ -73,8 +73,7 @@ std::string against_fractional(const IdentificationResult& result, const Compari
   const bool predicts = not_above(f.prediction_rms, worse, i.prediction_rms) &&
                         not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms);
   if (!predicts) return ", but the fractional one predicts left-out points worse";
-  if (!skipped_rivals.empty()) return ", but " + unfitted(skipped_rivals);
-  return pair.fractional_follows ? "" : ", but only the other one follows the data";
+  return skipped_rivals.empty() ? "" : ", but " + unfitted(skipped_rivals);
 }
 
 /// Why the integer-order finalist may not refute, whatever the evidence; empty where it may.
