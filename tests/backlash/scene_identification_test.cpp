@@ -170,6 +170,22 @@ TEST(SceneResponse, HarmonicsOfPositionsAreThoseOfATimeHistory) {
   }
 }
 
+// Two hard impacts per period, half of one apart, press a train of equal jumps of opposite sign, whose fundamental has
+// the phase of the impacts: they come at omega t = -arg N of x1, up to half a period.  Symmetric up to gamma = 0.366.
+// 400 periods before, the motion was led in from contact, and is closed to rounding; an instant follows from it to some
+// roundings.
+TEST(SceneResponse, ImpactsOfTheSymmetricOrbitComeAtThePhaseOfN) {
+  for (const double gamma : {0.3, 0.33, 0.36}) {
+    const double force = 20, omega = std::sqrt(force / (gamma * scene.mass2() * scene.clearance()));
+    const auto settled = backlash::simulate_impacts(scene, force, omega, {scene.clearance() / 2, 0}, 400).end;
+    const auto impacts = backlash::simulate_impacts(scene, force, omega, settled, 1).impacts;
+    ASSERT_EQ(impacts.size(), 2U) << gamma;
+    const Complex h = backlash::detail::two_impact_response(gamma, scene.restitution())->h;
+    // N = -h/((mass1 + mass2) omega^2).
+    for (const auto& impact : impacts) EXPECT_NEAR(std::sin(omega * impact.time + std::arg(-h)), 0, 1e-9) << gamma;
+  }
+}
+
 /// Harmonics 1, 3 and 5 of x1 of the scene in the symmetric band, by time histories with noise of a share of N.
 std::vector<MeasuredDescribingFunction> with_harmonics(const TwoMassSystem& system, double noise,
                                                        support::Random& random) {
