@@ -52,6 +52,7 @@ class Response : public Command {
     o.count("--harmonics", choice_.harmonics, 1, 1000,
             "Harmonics of the output under a stepped sine, the first included", "H")
         .not_with({"--excitation", {"periodic", "arbitrary"}}, "whose lines mix");
+    o.number("--sensor-delay", choice_.sensor_delay, "outputs, against the input; it is taken out");
     o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending: response, noise, distortion",
            "FILE");
     add_common({"csv", "json", "table"});
@@ -71,6 +72,9 @@ class Response : public Command {
   void check() override {
     if (read_.sample_time && !(*read_.sample_time > 0 && std::isfinite(*read_.sample_time)))
       throw std::invalid_argument("--sample-time " + options()["--sample-time"].text() + ": allowed is above 0");
+    if (!std::isfinite(choice_.sensor_delay))
+      throw std::invalid_argument("--sensor-delay " + options()["--sensor-delay"].text() +
+                                  ": allowed is a finite number");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, options().input_files());
