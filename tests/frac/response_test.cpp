@@ -8,8 +8,8 @@
 #include <cmath>
 #include <complex>
 #include <functional>
-#include <map>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>

@@ -184,12 +184,12 @@ Clock clock_of(const std::string& file, const std::vector<double>& time, double 
   }
   const double step = (time.back() - time.front()) / (static_cast<double>(time.size() - 1) + missing);
   for (const frac::RecordGap& gap : clock.gaps) {
-    const double length = (time[gap.before] - time[gap.before - 1]) / step;
-    if (std::abs(length - static_cast<double>(gap.missing + 1)) > most_beside)
+    const double length = time[gap.before] - time[gap.before - 1];
+    if (std::abs(length / step - static_cast<double>(gap.missing + 1)) > most_beside)
       throw DataError(
           file, 0, 0,
-          "a gap of " + format_number(std::round(100 * length) / 100) + " steps of " + format_number(step * seconds) +
-              " s stands before sample " + std::to_string(gap.before + 1) +
+          "a gap of " + format_number(std::round(100 * length * count / sum) / 100) + " steps of " +
+              format_number(sum / count * seconds) + " s stands before sample " + std::to_string(gap.before + 1) +
               "; expected equal steps, a gap of a whole number of them, or a file for each side of the gap");
   }
   double squares = 0;

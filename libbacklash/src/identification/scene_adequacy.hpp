@@ -28,7 +28,8 @@ struct SceneAdequacy {
 
 /// Whether the data tell the scene from masses that never touch, of which mass 1 stands still and mass 2 has
 /// N = -1/(M omega^2): the F test of the parameters that go beyond M, which calls such masses a scene once in a
-/// thousand.  Each residual of a point that the scene leaves out counts as met by a parameter of its own.
+/// thousand; somewhat more often where only ratios of deviations are known, since points that the scene leaves out,
+/// each residual of which counts as met by a parameter of its own, lower the scatter of the others.
 /// @param parameters  count of those estimated
 /// @param least_variance  of residuals, 0 where only their ratios are known
 [[nodiscard]] bool tells_contacts(const SceneData& data, const std::vector<PointChoice>& choices,

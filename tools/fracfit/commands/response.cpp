@@ -72,9 +72,6 @@ class Response : public Command {
   void check() override {
     if (read_.sample_time && !(*read_.sample_time > 0 && std::isfinite(*read_.sample_time)))
       throw std::invalid_argument("--sample-time " + options()["--sample-time"].text() + ": allowed is above 0");
-    if (!std::isfinite(choice_.sensor_delay))
-      throw std::invalid_argument("--sensor-delay " + options()["--sensor-delay"].text() +
-                                  ": allowed is a finite number");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, options().input_files());
