@@ -88,13 +88,14 @@ TEST(FrictionResponse, IsTheDescribingFunctionOfTheBodies) {
 TEST(FrictionResponse, HarmonicsAreNearThoseWithoutFriction) {
   const double gamma = 0.3, tau = 0.08, restitution = 0.6, ratio = 1.9, share = ratio / ((1 + ratio) * (1 + ratio));
   const FrictionGroups groups{gamma, tau, restitution, ratio, {0.02, 0}};
-  const backlash::detail::ContactMotions contact(restitution);
+  const backlash::detail::ContactMotions contact(restitution, 5);
   backlash::detail::FoundMotions motions;
-  const double size = std::abs(*backlash::detail::contact_h(contact, gamma, tau, false, motions, true)) * share;
+  const double size = std::abs(*backlash::detail::contact_h(contact, gamma, tau, false, motions, true)[0]) * share;
   for (const int k : {3, 5}) {
     FoundOrbit found;
     const auto n = friction_n(groups, Output::x1, FrictionStart::symmetric, found, k);
-    const auto h = backlash::detail::contact_h(contact, gamma, tau, false, motions, true, k);
+    const auto h =
+        backlash::detail::contact_h(contact, gamma, tau, false, motions, true)[backlash::detail::harmonic_place(k)];
     ASSERT_TRUE(n && h);
     EXPECT_LT(std::abs(*n + *h * share), 0.02 * size) << k;
     const auto response = friction_response(groups, Output::x1, found, k);

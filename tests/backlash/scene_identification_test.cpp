@@ -170,6 +170,22 @@ TEST(SceneResponse, HarmonicsOfPositionsAreThoseOfATimeHistory) {
   }
 }
 
+// Two hard impacts per period, half of one apart, press a train of equal jumps of opposite sign, whose fundamental has
+// the phase of the impacts: they come at omega t = -arg N of x1, up to half a period.  Symmetric up to gamma = 0.366.
+// 400 periods before, the motion was led in from contact, and is closed to rounding; an instant follows from it to some
+// roundings.
+TEST(SceneResponse, ImpactsOfTheSymmetricOrbitComeAtThePhaseOfN) {
+  for (const double gamma : {0.3, 0.33, 0.36}) {
+    const double force = 20, omega = std::sqrt(force / (gamma * scene.mass2() * scene.clearance()));
+    const auto settled = backlash::simulate_impacts(scene, force, omega, {scene.clearance() / 2, 0}, 400).end;
+    const auto impacts = backlash::simulate_impacts(scene, force, omega, settled, 1).impacts;
+    ASSERT_EQ(impacts.size(), 2U) << gamma;
+    const Complex h = backlash::detail::two_impact_response(gamma, scene.restitution())->h;
+    // N = -h/((mass1 + mass2) omega^2).
+    for (const auto& impact : impacts) EXPECT_NEAR(std::sin(omega * impact.time + std::arg(-h)), 0, 1e-9) << gamma;
+  }
+}
+
 /// Harmonics 1, 3 and 5 of x1 of the scene in the symmetric band, by time histories with noise of a share of N.
 std::vector<MeasuredDescribingFunction> with_harmonics(const TwoMassSystem& system, double noise,
                                                        support::Random& random) {
@@ -612,6 +628,43 @@ TEST(SceneIdentification, SaysWhereMeasuredSigmaDoesNotExplainTheResiduals) {
     EXPECT_TRUE(result.misfits.empty());
     EXPECT_TRUE(result.parameters[3].identified);
   }
+}
+
+// N of masses that never touch is 0 of mass 1 and -1/(mass2 omega^2) of mass 2; what is left is noise, of which some
+// scene of weak contacts explains a part.  The test is wrong about them once in a thousand, so that of four records one
+// is stated by chance in less than one of 200 choices of seeds.
+TEST(SceneIdentification, NothingIsStatedOfMassesThatNeverTouch) {
+  int stated = 0;
+  for (const auto& [output, scenes] : {std::pair{Output::x1, 3}, std::pair{Output::x2, 1}}) {
+    for (int trial = 0; trial < scenes; ++trial) {
+      support::Random random(7100 + static_cast<std::uint64_t>(trial));
+      const double mass2 = random.log_uniform(0.2, 5), noise = random.log_uniform(1e-3, 0.1);
+      std::vector<MeasuredDescribingFunction> curves;
+      for (const double force : {3.0, 5.0}) {
+        const auto omega =
+            log_grid(30 * std::sqrt(force), 60 * std::sqrt(force), 8 + static_cast<int>(random.below(9)));
+        std::vector<Complex> value;
+        std::vector<double> sigma;
+        for (const double w : omega) {
+          sigma.push_back(noise / (mass2 * w * w));
+          const double real = random.normal();
+          value.push_back(sigma.back() * Complex(real, random.normal()) -
+                          (output == Output::x2 ? 1 / (mass2 * w * w) : 0));
+        }
+        curves.push_back({{omega, value, sigma}, force});
+      }
+      auto options = with_mass1(random.log_uniform(0.2, 5));
+      options.output = output;
+      options.weight = frac::Weight::given;
+      options.sigma_is_measured = random.below(2) == 0;
+      options.contact = backlash::ContactModel::hard;
+      const auto result = identify_scene(curves, options);
+      const bool says = result.message.find("never touch") != std::string::npos;
+      for (const auto& parameter : result.parameters) stated += parameter.identified && !parameter.fixed ? 1 : 0;
+      EXPECT_TRUE(says || !result.misfits.empty() || stated > 0) << result.message;
+    }
+  }
+  EXPECT_EQ(stated, 0);
 }
 
 TEST(SceneIdentification, RefusesWhatMakesNoSense) {

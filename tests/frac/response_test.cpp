@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -575,6 +576,41 @@ TEST(Gaps, OfASteppedSineLeaveOnePointForASegment) {
   ASSERT_EQ(changed.outputs[0].size(), 3U);
   EXPECT_NE(changed.outputs[0][1].flag.find("after a gap"), std::string::npos);
   EXPECT_TRUE(std::isnan(changed.outputs[0][1].sigma));
+}
+
+// An output that is read 3.7 samples late has the response of one that is not, to the rounding of the sums: exact
+// records, whole and with a gap.  Under noise a turn of the phase leaves the sum of both variances, and the covariance
+// within what it may be.
+TEST(SensorDelay, IsTakenOutOfTheResponse) {
+  constexpr double delay = 3.7;
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> normal;
+  const ResonantFilter filter;
+  const auto sines = Multisine::random(128, lines_to(40), generator);
+  const auto input = sampled(1280, [&](double t) { return sines.value(t); });
+  const auto late = sampled(
+      1280, [&](double t) { return sines.value(t - delay, [&](double turns) { return filter.response(turns); }); });
+  frac::ResponseOptions told;
+  told.sensor_delay = delay;
+  for (const Record& record : {Record(1, input, {late}), without(Record(1, input, {late}), {{555, 77}})}) {
+    const auto found = frac::response({record}, told);
+    ASSERT_EQ(found.outputs[0].size(), 40U);
+    for (const auto& point : found.outputs[0])
+      EXPECT_LT(std::abs(point.value - filter.response(point.omega / (2 * pi))), 1e-11);
+  }
+  const Record noisy(1, input, {through(late, [&](double y) { return y + 0.5 * normal(generator); })});
+  const auto as_read = frac::response({noisy}), turned = frac::response({noisy}, told);
+  for (std::size_t i = 0; i < 40; ++i) {
+    const auto &before = as_read.outputs[0][i], &after = turned.outputs[0][i];
+    EXPECT_NEAR(std::hypot(after.sigma_re, after.sigma_im), std::hypot(before.sigma_re, before.sigma_im), 1e-12);
+    // The determinant of the covariance.
+    const auto free = [](const auto& p) {
+      return p.sigma_re * p.sigma_im * std::sqrt(1 - p.correlation * p.correlation);
+    };
+    EXPECT_NEAR(free(after), free(before), 1e-9 * free(before));
+  }
+  told.sensor_delay = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(static_cast<void>(frac::response({noisy}, told)), std::invalid_argument);
 }
 
 TEST(Gaps, AreRefusedWhereNothingGoesOnOverThem) {

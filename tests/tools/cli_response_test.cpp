@@ -319,6 +319,42 @@ TEST(ResponseCommand, SaysWhatIsWrongWithARecord) {
           {"--excitation", "stepped-sine"}, 1, "no line or segment");
 }
 
+// Positions that are read 2 ms late, 0.05 rad at 24 rad/s, give N of those that are not once the delay is told: noise
+// and aliases, some 1e-4 of N, are other ones.
+TEST(ResponseCommand, TakesADelayOut) {
+  const TemporaryFolder folder;
+  const auto n_of = [&](const std::vector<std::string>& of_rig, const std::vector<std::string>& of_response) {
+    const auto file = folder.path("rig.csv");
+    std::vector<std::string> rig{"history", "--force",       "40",    "--clearance",    "0.3",     "--mass2",
+                                 "1.3",     "--restitution", "0.6",   "--omega",        "20:28:3", "--periods",
+                                 "30",      "--sample-time", "0.001", "--sensor-noise", "1e-4",    "--out",
+                                 file};
+    rig.insert(rig.end(), of_rig.begin(), of_rig.end());
+    EXPECT_EQ(run_fracfit(rig).code, 0);
+    std::vector<std::string> words{"response", file, "--columns", "output=x1_m", "--format", "json"};
+    words.insert(words.end(), of_response.begin(), of_response.end());
+    std::vector<std::complex<double>> values;
+    const auto found = rows_of(run_fracfit(words));
+    for (const auto& row : found.at("rows"))
+      for (const std::string name : {"", "harmonic3_"})
+        values.emplace_back(row.at(name.empty() ? "re_m_per_n" : "harmonic3_re"),
+                            row.at(name.empty() ? "im_m_per_n" : "harmonic3_im"));
+    return values;
+  };
+  const auto exact = n_of({}, {}), late = n_of({"--sensor-delay", "0.002"}, {}),
+             told = n_of({"--sensor-delay", "0.002"}, {"--sensor-delay", "0.002"});
+  ASSERT_EQ(exact.size(), 6U);
+  ASSERT_EQ(told.size(), 6U);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const double size = std::abs(exact[i - i % 2]);
+    EXPECT_LT(std::abs(told[i] - exact[i]), 5e-4 * size) << i;
+    EXPECT_GT(std::abs(late[i] - exact[i]), (i % 2 == 0 ? 0.035 : 0.005) * size) << i;
+  }
+  const auto refused = run_fracfit({"response", folder.path("rig.csv"), "--sensor-delay", "inf"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--sensor-delay 'inf'"), std::string::npos) << refused.error;
+}
+
 // Six samples of a sine are missing: one point, and its gain to the noise that is put on it.
 TEST(ResponseCommand, GoesOnOverAGap) {
   const TemporaryFolder folder;

@@ -20,6 +20,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "io/csv_line.hpp"
@@ -29,6 +30,7 @@
 #include "io/number.hpp"
 #include "io/record_file.hpp"
 #include "io/zip_archive.hpp"
+#include "support/random.hpp"
 #include "temporary_folder.hpp"
 
 namespace {
@@ -412,6 +414,52 @@ TEST_F(MeasurementTest, LabviewMeasurementFiles) {
   EXPECT_EQ(record.record.outputs().at(0).at(19), 9.5);
   // Without rows it is a table that holds none.
   refuses(labview("Separator\tTab\r\nX_Columns\tOne\r\n", ""), "");
+}
+
+// Stamps that are off by s steps (rms, normal): a step is off by s sqrt(2).  A gap is refused where that is more than a
+// quarter of a step, a step where it is more than half of one, so that of records of 1000 steps with 4 gaps
+//   1 - (1 - P(|e| > 1/4))^4 (1 - P(e > 1/2))^999
+// are refused: none at s = 0.02, 0.2 % at 0.05, 11 % at 0.08.  One that is not refused has its gaps, but for errors
+// beyond three quarters, 6.6 deviations at s = 0.08.
+TEST_F(MeasurementTest, GapsUnderAClockWithJitterAreFoundOrRefused) {
+  support::Random random(35);
+  io::RecordReadOptions how;
+  how.columns = "time=1,input=2,output=3";
+  constexpr int records = 150;
+  for (const double jitter : {0.0, 0.02, 0.05, 0.08}) {
+    int refused = 0, wrong = 0;
+    for (int trial = 0; trial < records; ++trial) {
+      std::string rows = "time_s,u,y\n";
+      std::vector<std::pair<std::size_t, std::size_t>> missing;
+      std::size_t place = 0;
+      for (std::size_t i = 0; i < 1000; ++i, ++place) {
+        if (i > 0 && i % 200 == 0) {
+          missing.emplace_back(i, 1 + random.below(trial % 2 == 0 ? 3 : 300));
+          place += missing.back().second;
+        }
+        const double time = static_cast<double>(place) + jitter * random.normal();
+        const std::string level = io::format_number(static_cast<double>(i % 10));
+        rows += io::format_number(time) + "," + level + "," + level + "\n";
+      }
+      try {
+        const auto found = io::read_record(folder.write("gaps", rows), how).record.gaps();
+        wrong += std::ranges::equal(found, missing,
+                                    [](const auto& gap, const auto& truth) {
+                                      return gap.before == truth.first && gap.missing == truth.second;
+                                    })
+                     ? 0
+                     : 1;
+      } catch (const io::DataError&) {
+        ++refused;
+      }
+    }
+    EXPECT_EQ(wrong, 0) << jitter;
+    const double gap = jitter > 0 ? std::erfc(0.25 / (2 * jitter)) : 0,
+                 step = jitter > 0 ? 0.5 * std::erfc(0.5 / (2 * jitter)) : 0;
+    const double expected = 1 - std::pow(1 - gap, 4) * std::pow(1 - step, 995);
+    // Four deviations of a count.
+    EXPECT_NEAR(refused, records * expected, 1 + 4 * std::sqrt(records * expected * (1 - expected))) << jitter;
+  }
 }
 
 TEST_F(MeasurementTest, MatFilesOfLevelFive) {

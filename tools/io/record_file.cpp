@@ -163,24 +163,35 @@ Clock clock_of(const std::string& file, const std::vector<double>& time, double 
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  Clock clock;
-  std::size_t missing = 0;
+  // A missing sample makes a step of two.  The mean of the others, in which jitter cancels but at the ends of
+  // stretches, tells how many samples are missing in a long gap; then all of the record tells the step.
+  constexpr double most_steps = 1.5, most_beside = 0.25, longest = 1e9;
+  const double most = most_steps * *middle;
+  double sum = 0, count = 0;
   for (std::size_t i = 1; i < time.size(); ++i) {
-    // A missing sample makes a step of two.
-    constexpr double most_steps = 1.5, most_beside = 0.25;
-    const double length = (time[i] - time[i - 1]) / *middle;
-    if (!(length > most_steps)) continue;
-    constexpr double longest = 1e9;
-    if (std::abs(length - std::round(length)) > most_beside || length > longest)
+    const double length = time[i] - time[i - 1];
+    sum += length <= most ? length : 0;
+    count += length <= most ? 1 : 0;
+  }
+  Clock clock;
+  double missing = 0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double length = time[i] - time[i - 1];
+    if (length <= most) continue;
+    const double steps_of_gap = std::max(2.0, std::round(length * count / sum));
+    clock.gaps.push_back({i, static_cast<std::size_t>(std::min(steps_of_gap, longest)) - 1});
+    missing += steps_of_gap - 1;
+  }
+  const double step = (time.back() - time.front()) / (static_cast<double>(time.size() - 1) + missing);
+  for (const frac::RecordGap& gap : clock.gaps) {
+    const double length = time[gap.before] - time[gap.before - 1];
+    if (std::abs(length / step - static_cast<double>(gap.missing + 1)) > most_beside)
       throw DataError(
           file, 0, 0,
-          "a gap of " + format_number(std::round(100 * length) / 100) + " steps of " +
-              format_number(*middle * seconds) + " s stands before sample " + std::to_string(i + 1) +
+          "a gap of " + format_number(std::round(100 * length * count / sum) / 100) + " steps of " +
+              format_number(sum / count * seconds) + " s stands before sample " + std::to_string(gap.before + 1) +
               "; expected equal steps, a gap of a whole number of them, or a file for each side of the gap");
-    clock.gaps.push_back({i, static_cast<std::size_t>(std::round(length)) - 1});
-    missing += clock.gaps.back().missing;
   }
-  const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1 + missing);
   double squares = 0;
   std::size_t place = 0, gap = 0;
   for (std::size_t i = 0; i < time.size(); ++i, ++place) {

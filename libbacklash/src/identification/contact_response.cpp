@@ -72,8 +72,10 @@ ContactShape contact_shape(double restitution) {
   return {ratio, free_contact(CompliantContact(1, 2 * ratio), each_mass, each_mass).duration};
 }
 
-ContactMotions::ContactMotions(double restitution)
-    : restitution_(std::max(restitution, least_restitution)), shape_(contact_shape(restitution)) {}
+ContactMotions::ContactMotions(double restitution, int harmonics)
+    : restitution_(std::max(restitution, least_restitution)),
+      harmonics_(harmonics),
+      shape_(contact_shape(restitution)) {}
 
 CompliantGroups ContactMotions::groups(double gamma, double tau) const {
   return {gamma, shape_.angle / tau, shape_.damping_ratio};
@@ -116,8 +118,7 @@ std::optional<SymmetricCompliantOrbit> ContactMotions::from_hard(const Compliant
   return orbit;
 }
 
-std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma, double tau, int harmonic,
-                                                                   FoundMotions& found) const {
+MotionHarmonics ContactMotions::symmetric(double gamma, double tau, FoundMotions& found) const {
   const CompliantGroups at = groups(gamma, tau);
   std::optional<SymmetricCompliantOrbit> orbit;
   if (found.symmetric)
@@ -127,19 +128,19 @@ std::optional<ContactMotions::Symmetric> ContactMotions::symmetric(double gamma,
     const auto other = from_hard(at);
     if (other && (!orbit || other->largest_multiplier < orbit->largest_multiplier)) orbit = other;
   }
-  if (!orbit) return std::nullopt;
+  MotionHarmonics h;
+  if (!orbit) return h;
   found.symmetric = orbit;
   // -k^2 U_k is the phasor of what the contacts press.
-  const Complex contact = orbit->contact[static_cast<std::size_t>(harmonic / 2)];
-  return Symmetric{contact / (gamma * harmonic * harmonic), orbit->largest_multiplier};
+  for (int k = 1; k <= harmonics_; k += 2) h[harmonic_place(k)] = orbit->contact[harmonic_place(k)] / (gamma * k * k);
+  return h;
 }
 
-std::optional<Complex> ContactMotions::followed(double gamma, double tau, int harmonic, FoundMotions& found,
-                                                bool from_start) const {
+MotionHarmonics ContactMotions::followed(double gamma, double tau, FoundMotions& found, bool from_start) const {
   constexpr double exact = 1e-9;  // of fractional powers, of which there are none
   const SineForce force{each_mass * gamma, 1};
   const CompliantGroups at = groups(gamma, tau);
-  const CompliantFlow flow(unit_bodies(at), force, Output::x1, exact, harmonic);
+  const CompliantFlow flow(unit_bodies(at), force, Output::x1, exact, 1);
   std::optional<CompliantOrbit> orbit;
   if (found.followed) {
     orbit = closed_orbit(flow, found.followed->state, found.followed->mode, 1);
@@ -153,76 +154,124 @@ std::optional<Complex> ContactMotions::followed(double gamma, double tau, int ha
       orbit = orbit_after(flow, beside(flow, *symmetric));
     if (!orbit) orbit = orbit_after(flow, from_rest(flow));
   }
-  if (!orbit) return std::nullopt;
-  CompliantRun run(flow, orbit->state, orbit->mode);
-  run.follow(1);
+  MotionHarmonics h;
+  if (!orbit) return h;
+  const auto read = [&](const CompliantFlow& reading, const Eigen::VectorXd& state) {
+    CompliantRun run(reading, state, orbit->mode);
+    run.follow(1);
+    for (int k = 1; k <= harmonics_; k += 2)
+      h[harmonic_place(k)] = -2 * each_mass * run.phasors()[static_cast<std::size_t>(k - 1)] /
+                             Complex(0, k * force.omega) / force.amplitude;
+  };
+  if (harmonics_ == 1) {
+    read(flow, orbit->state);
+  } else {
+    // The orbit is solved for without the states of higher harmonics, which nothing depends on.
+    const CompliantFlow reading(unit_bodies(at), force, Output::x1, exact, harmonics_);
+    Eigen::VectorXd state = Eigen::VectorXd::Zero(reading.sizes().size());
+    state.head(CompliantFlow::first_memory) = orbit->state.head(CompliantFlow::first_memory);
+    read(reading, state);
+  }
   found.followed = std::move(orbit);
-  const Complex n = run.phasors().back() / Complex(0, harmonic * force.omega) / force.amplitude;
-  return -2 * each_mass * n;
+  return h;
 }
 
 namespace {
 
-std::optional<Complex> hard_h(double gamma, double restitution, bool is_followed, Complex near, int harmonic) {
+// sticking: of the motion that sticks, where one of that kind may be meant
+std::optional<Complex> hard_h(double gamma, double restitution, std::optional<Complex> sticking, Complex near,
+                              int harmonic) {
   std::optional<Complex> nearest;
   const auto offer = [&](Complex h) {
     if (!nearest || std::abs(h - near) < std::abs(*nearest - near)) nearest = h;
   };
   if (const auto response = two_impact_response(gamma, restitution, harmonic)) offer(response->h);
-  if (is_followed)
-    if (const auto h = sticking_h(gamma, restitution, harmonic)) offer(*h);
+  if (sticking) offer(*sticking);
   return nearest;
 }
 
-std::optional<Complex> h_of_contact(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                    FoundMotions& found, bool from_start, int harmonic) {
-  if (is_followed) return motions.followed(gamma, tau, harmonic, found, from_start);
-  const auto orbit = motions.symmetric(gamma, tau, harmonic, found);
-  return orbit ? std::optional<Complex>(orbit->h) : std::nullopt;
+MotionHarmonics h_of_contact(const ContactMotions& motions, double gamma, double tau, bool is_followed,
+                             FoundMotions& found, bool from_start) {
+  return is_followed ? motions.followed(gamma, tau, found, from_start) : motions.symmetric(gamma, tau, found);
+}
+
+MotionHarmonics near_hard(const ContactMotions& motions, double gamma, double tau, bool is_followed,
+                          FoundMotions& found, bool from_start) {
+  const double least = is_followed ? least_followed_tau : least_symmetric_tau;
+  MotionHarmonics h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start);
+  if (!h[0] || tau >= least) return h;
+  const auto sticking = is_followed ? sticking_harmonics(gamma, motions.restitution()) : std::nullopt;
+  // Those of 2 and 3 of the least angles.
+  std::optional<std::array<MotionHarmonics, 2>> further;
+  for (int k = 1; k <= motions.harmonics(); k += 2) {
+    std::optional<Complex>& own = h[harmonic_place(k)];
+    const auto hard = hard_h(gamma, motions.restitution(),
+                             sticking ? std::optional<Complex>((*sticking)[harmonic_place(k)]) : std::nullopt, *own, k);
+    // N changes by about the angle between a motion and the one that it tends to, a harmonic by as many times that.
+    const double same_motion_within = 10 * k;
+    const bool is_its_limit =
+        hard && (!is_followed || std::abs(*hard - *own) <= same_motion_within * least * std::abs(*own));
+    if (is_its_limit) {
+      own = *hard + tau / least * (*own - *hard);
+      continue;
+    }
+    // Hard contacts have more orbits than those in closed form and those that stick.
+    if (is_followed && !further) {
+      FoundMotions copy = found;
+      further.emplace();
+      for (std::size_t i = 0; i < 2; ++i)
+        (*further)[i] = motions.followed(gamma, static_cast<double>(i + 2) * least, copy, false);
+    }
+    const auto second = further ? (*further)[0][harmonic_place(k)] : std::nullopt,
+               third = further ? (*further)[1][harmonic_place(k)] : std::nullopt;
+    if (!second || !third) {
+      own.reset();
+      continue;
+    }
+    // The parabola through these, off by the cube of the angle.
+    const double x = tau / least;
+    own = 0.5 * (x - 2) * (x - 3) * *own - (x - 1) * (x - 3) * *second + 0.5 * (x - 1) * (x - 2) * *third;
+  }
+  return h;
 }
 
 }  // namespace
 
-std::optional<Complex> contact_h(const ContactMotions& motions, double gamma, double tau, bool is_followed,
-                                 FoundMotions& found, bool from_start, int harmonic) {
-  const double least = is_followed ? least_followed_tau : least_symmetric_tau;
-  const auto h = h_of_contact(motions, gamma, std::max(tau, least), is_followed, found, from_start, harmonic);
-  if (!h || tau >= least) return h;
-  const auto hard = hard_h(gamma, motions.restitution(), is_followed, *h, harmonic);
-  // N changes by about the angle between a motion and the one that it tends to, a harmonic by as many times that.
-  const double same_motion_within = 10 * harmonic;
-  const bool is_its_limit = hard && (!is_followed || std::abs(*hard - *h) <= same_motion_within * least * std::abs(*h));
-  if (is_its_limit) return *hard + tau / least * (*h - *hard);
-  if (!is_followed) return std::nullopt;
-  // Hard contacts have more orbits than those in closed form and those that stick.
-  FoundMotions further = found;
-  const auto second = h_of_contact(motions, gamma, 2 * least, is_followed, further, false, harmonic);
-  const auto third = h_of_contact(motions, gamma, 3 * least, is_followed, further, false, harmonic);
-  if (!second || !third) return std::nullopt;
-  // The parabola through these, off by the cube of the angle.
-  const double x = tau / least;
-  return 0.5 * (x - 2) * (x - 3) * *h - (x - 1) * (x - 3) * *second + 0.5 * (x - 1) * (x - 2) * *third;
+const MotionHarmonics& contact_h(const ContactMotions& motions, double gamma, double tau, bool is_followed,
+                                 FoundMotions& found, bool from_start) {
+  FoundMotions::Answer& answer = found.answers[is_followed ? 1 : 0];
+  const std::array<double, 3> at = {gamma, tau, motions.restitution()};
+  if (answer.at == at && (answer.from_start || !from_start || answer.h[0])) return answer.h;
+  const MotionHarmonics h = near_hard(motions, gamma, tau, is_followed, found, from_start);
+  answer = {at, from_start, h};
+  return answer.h;
 }
 
-ContactResponses::ContactResponses(double restitution)
-    : here_(restitution),
-      beside_(restitution + contact_difference <= 1 ? restitution + contact_difference
-                                                    : restitution - contact_difference) {}
+ContactResponses::ContactResponses(double restitution, int harmonics)
+    : here_(restitution, harmonics),
+      beside_(
+          restitution + contact_difference <= 1 ? restitution + contact_difference : restitution - contact_difference,
+          harmonics) {}
 
-std::optional<GapResponse> ContactResponses::at(double gamma, double tau, bool is_followed, FoundMotions found,
-                                                int harmonic) const {
-  const auto here = contact_h(here_, gamma, tau, is_followed, found, true, harmonic);
-  if (!here) return std::nullopt;
+ContactResponses::All ContactResponses::at(double gamma, double tau, bool is_followed, FoundMotions found) const {
+  All responses;
+  const MotionHarmonics here = contact_h(here_, gamma, tau, is_followed, found, true);
+  if (!here[0]) return responses;
   const double by = std::max(tau * contact_difference, is_followed ? least_followed_tau : least_symmetric_tau);
   const auto moved = [&](const ContactMotions& motions, double log_change, double longer) {
     FoundMotions neighbour = found;
-    return contact_h(motions, gamma * std::exp(log_change), tau + longer, is_followed, neighbour, false, harmonic);
+    return MotionHarmonics(
+        contact_h(motions, gamma * std::exp(log_change), tau + longer, is_followed, neighbour, false));
   };
-  const auto stronger = moved(here_, contact_difference, 0), beside = moved(beside_, 0, 0),
-             longer = moved(here_, 0, by);
-  if (!stronger || !beside || !longer) return std::nullopt;
-  return GapResponse{*here, (*stronger - *here) / contact_difference,
-                     (*beside - *here) / (beside_.restitution() - here_.restitution()), (*longer - *here) / by};
+  const MotionHarmonics stronger = moved(here_, contact_difference, 0), beside = moved(beside_, 0, 0),
+                        longer = moved(here_, 0, by);
+  for (std::size_t n = 0; n < responses.size(); ++n) {
+    if (!here[n] || !stronger[n] || !beside[n] || !longer[n]) continue;
+    responses[n] = GapResponse{*here[n], (*stronger[n] - *here[n]) / contact_difference,
+                               (*beside[n] - *here[n]) / (beside_.restitution() - here_.restitution()),
+                               (*longer[n] - *here[n]) / by};
+  }
+  return responses;
 }
 
 }  // namespace backlash::detail

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/short_text.hpp"
+#include "special/distributions.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -184,6 +185,41 @@ SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoic
   const double noise_variance = std::max(neighbours.differences / (2 * pairs), rounding * rounding);
   compare_curves(data, residuals, noise_variance, result.misfits);
   return result;
+}
+
+bool tells_contacts(const SceneData& data, const std::vector<PointChoice>& choices, std::size_t parameters,
+                    double least_variance) {
+  constexpr double chance = 1e-3;
+  const auto deviation_at = [&](std::size_t i) {
+    return data.deviation(data.points[i], choices[i].used ? choices[i].model : data.points[i].value);
+  };
+  // Of -1/(M omega^2) over the deviations: the weighed mean of 1/M is products/squares.
+  double cost = 0, of_scene = 0, products = 0, squares = 0;
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    const MeasuredPoint& point = data.points[i];
+    const double deviation = deviation_at(i);
+    if (!(deviation > 0)) continue;
+    const std::array<double, 2> value = data.parts(point.value / deviation);
+    cost += value[0] * value[0] + value[1] * value[1];
+    if (choices[i].used) {
+      of_scene += choices[i].misfit * choices[i].misfit;
+      ++used;
+    }
+    if (data.output == Output::x1 || point.harmonic != 1) continue;
+    const double of_mass = data.parts(-1 / (point.omega * point.omega * deviation))[0];
+    products += value[0] * of_mass;
+    squares += of_mass * of_mass;
+  }
+  const bool has_mass = squares > 0;
+  if (has_mass) cost -= products * products / squares;
+  const double per_point = static_cast<double>(data.residuals_per_point());
+  const double degrees = per_point * static_cast<double>(used) - static_cast<double>(parameters);
+  const double further = per_point * static_cast<double>(choices.size()) - degrees - (has_mass ? 1 : 0);
+  if (!(degrees > 0) || !(further > 0)) return true;
+  const double variance = std::max(of_scene / degrees, least_variance);
+  const double ratio = std::max(0.0, cost - of_scene) / (further * variance);
+  return frac::detail::fisher_f_above(ratio, further, degrees) < chance;
 }
 
 }  // namespace backlash::detail

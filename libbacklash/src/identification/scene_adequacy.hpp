@@ -26,4 +26,13 @@ struct SceneAdequacy {
 [[nodiscard]] SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoice>& choices,
                                            std::size_t parameters);
 
+/// Whether the data tell the scene from masses that never touch, of which mass 1 stands still and mass 2 has
+/// N = -1/(M omega^2): the F test of the parameters that go beyond M, which calls such masses a scene once in a
+/// thousand; somewhat more often where only ratios of deviations are known, since points that the scene leaves out,
+/// each residual of which counts as met by a parameter of its own, lower the scatter of the others.
+/// @param parameters  count of those estimated
+/// @param least_variance  of residuals, 0 where only their ratios are known
+[[nodiscard]] bool tells_contacts(const SceneData& data, const std::vector<PointChoice>& choices,
+                                  std::size_t parameters, double least_variance);
+
 }  // namespace backlash::detail

@@ -56,7 +56,7 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
     for (std::size_t i = 0; i < response.size(); ++i) {
       const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
       data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma,
-                             curves[curve].harmonic});
+                             curves[curve].harmonic, data.points.size()});
       const double size = std::abs(response.value()[i]);
       if (size > 0 && curves[curve].harmonic == 1) sizes.push_back(size);
     }
@@ -73,6 +73,18 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   }
   data.typical_misfit = frac::detail::median(misfits);
   data.time_unit = 1 / frac::detail::median(omegas);
+  for (MeasuredPoint& point : data.points) {
+    data.harmonics = std::max(data.harmonics, point.harmonic);
+    // Two curves of one harmonic and force may be of different motions.
+    if (point.harmonic == 1) continue;
+    point.motion = static_cast<std::size_t>(std::find_if(data.points.begin(), data.points.end(),
+                                                         [&](const MeasuredPoint& other) {
+                                                           return &other == &point ||
+                                                                  (other.harmonic == 1 && other.force == point.force &&
+                                                                   other.omega == point.omega);
+                                                         }) -
+                                            data.points.begin());
+  }
   data.force_unit = std::numeric_limits<double>::infinity();
   for (const MeasuredPoint& point : data.points) data.force_unit = std::min(data.force_unit, point.force);
   return data;

@@ -277,7 +277,7 @@ std::string friction_text(const SceneIdentification& result) {
   return text + ".";
 }
 
-std::string message_of(const SceneIdentification& result, double longest) {
+std::string message_of(const SceneIdentification& result, double longest, bool has_contacts) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
     if (parameter.fixed) continue;
@@ -296,6 +296,8 @@ std::string message_of(const SceneIdentification& result, double longest) {
             frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
+  if (!has_contacts)
+    return text + " The data do not tell the masses from ones that never touch, so that nothing counts as identified.";
   text += contact_text(result, longest) + friction_text(result);
   if (!result.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
@@ -493,7 +495,9 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
                                       [](const SceneEstimate& estimate) { return estimate.at_bound; }) ||
                           std::any_of(result.parameters.begin(), result.parameters.end(),
                                       [](const SceneEstimate& estimate) { return estimate.at_bound; });
-    if (!result.misfits.empty() || !found.best.converged || at_limit) {
+    const bool has_contacts =
+        detail::tells_contacts(data, found.best.choices, known.bounds.free_count(), least_variance);
+    if (!result.misfits.empty() || !found.best.converged || at_limit || !has_contacts) {
       for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;
       for (SceneEstimate& estimate : result.contact) estimate.identified = estimate.fixed;
@@ -515,7 +519,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.residuals = equations.residuals;
     result.rms = std::sqrt(equations.cost / static_cast<double>(equations.residuals));
     result.termination = found.best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
-    result.message = message_of(result, longest);
+    result.message = message_of(result, longest, has_contacts);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

@@ -23,8 +23,9 @@ struct MeasuredPoint {
   std::size_t curve, index;
   double force, omega;
   std::complex<double> value;
-  double sigma;      // NaN when unknown
-  int harmonic = 1;  // 1, 3 or 5
+  double sigma;            // NaN when unknown
+  int harmonic = 1;        // 1, 3 or 5
+  std::size_t motion = 0;  // place of the first point of this force and frequency, whose motion it is
 };
 
 /// All points of all curves, in the order of the curves and of rising omega, and how residuals are formed of them.
@@ -38,6 +39,7 @@ struct SceneData {
   double typical_misfit;  // median of |value| over its deviation
   double time_unit;       // s, 1 over the median omega
   double force_unit;      // N, the least force amplitude
+  int harmonics = 1;      // the highest of the points
 
   [[nodiscard]] std::size_t residuals_per_point() const { return component == frac::Component::both ? 2 : 1; }
   /// The parts of a complex number that form residuals; the second one is 0 when there is only one.

@@ -128,16 +128,21 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution,
   return GapResponse{response->h, response->by_log_gamma, response->by_loss * kappa_by_restitution, 0};
 }
 
-std::optional<Complex> sticking_h(double gamma, double restitution, int harmonic) {
+std::optional<std::array<Complex, 3>> sticking_harmonics(double gamma, double restitution) {
   // A motion that wanders for long enough to tell about its mean does not stick every period.
   const MeanGoal rough{1, -gamma, Transients::ignored};
   const SteadyState steady =
       find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance, rough);
   // Its multiplier is exactly 0.
   if (steady.spectral_radius != 0) return std::nullopt;
-  if (harmonic == 1) return steady.harmonics.u1_plus_gamma / gamma;
-  const auto order = std::find(harmonic_orders.begin(), harmonic_orders.end(), harmonic);
-  return steady.harmonics.u[static_cast<std::size_t>(order - harmonic_orders.begin())] / gamma;
+  static_assert(harmonic_orders[1] == 3 && harmonic_orders[2] == 5);
+  const auto& u = steady.harmonics.u;
+  return std::array{steady.harmonics.u1_plus_gamma / gamma, u[1] / gamma, u[2] / gamma};
+}
+
+std::optional<Complex> sticking_h(double gamma, double restitution, int harmonic) {
+  const auto h = sticking_harmonics(gamma, restitution);
+  return h ? std::optional<Complex>((*h)[static_cast<std::size_t>(harmonic / 2)]) : std::nullopt;
 }
 
 std::optional<GapResponse> sticking_response(double gamma, double restitution, int harmonic) {

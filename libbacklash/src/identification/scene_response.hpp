@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <complex>
 #include <optional>
 #include <vector>
@@ -29,6 +30,8 @@ struct GapResponse {
 /// past, so there is only one.  Empty where the motion from contact at rest becomes another one.
 /// @param harmonic  1, 3 or 5
 [[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution, int harmonic = 1);
+/// Of the harmonics 1, 3 and 5.
+[[nodiscard]] std::optional<std::array<std::complex<double>, 3>> sticking_harmonics(double gamma, double restitution);
 /// With derivatives by differences, to five digits; empty also where a neighbour they need does not stick.
 [[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution, int harmonic = 1);
 

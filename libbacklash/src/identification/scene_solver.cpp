@@ -149,7 +149,7 @@ class Solver {
     return follows_orbits() && effort_ != Effort::glance ? 0 : rounds_beyond_loss;
   }
   [[nodiscard]] std::optional<ContactMotions> contact_motions(const SceneVector& theta) const {
-    return contacts_take_time() ? std::optional<ContactMotions>(theta[3]) : std::nullopt;
+    return contacts_take_time() ? std::make_optional<ContactMotions>(theta[3], data_.harmonics) : std::nullopt;
   }
 
   // Of contacts that take time.
@@ -157,9 +157,9 @@ class Solver {
                              double free_until, double onset, double most_multiplier) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point), tau = contact_angle(theta_, data_, point);
-    FoundMotions& found = found_[i];
+    FoundMotions& found = found_[point.motion];
     bool is_stable = false;
-    if (const auto h = contact_h(motions, gamma, tau, false, found, true, point.harmonic)) {
+    if (const auto h = contact_h(motions, gamma, tau, false, found, true)[harmonic_place(point.harmonic)]) {
       is_stable = found.symmetric->largest_multiplier < 1;
       if (found.symmetric->largest_multiplier < most_multiplier)
         offer(i, coefficients, PointChoice::Kind::two_impact, *h);
@@ -172,14 +172,11 @@ class Solver {
   // The orbit of one period that is near, or that contact at rest leads to.
   void offer_followed(std::size_t i, const OutputCoefficients& coefficients, const ContactMotions& motions) {
     const MeasuredPoint& point = data_.points[i];
-    FoundMotions& found = found_[i];
-    const auto h = contact_h(motions, gamma_at(theta_, point), contact_angle(theta_, data_, point), true, found,
-                             found.failures < most_failures, point.harmonic);
-    if (h) {
-      offer(i, coefficients, PointChoice::Kind::sticking, *h);
-    } else {
-      ++found.failures;
-    }
+    FoundMotions& found = found_[point.motion];
+    const auto& h = contact_h(motions, gamma_at(theta_, point), contact_angle(theta_, data_, point), true, found,
+                              found.failures < most_failures);
+    if (const auto& own = h[harmonic_place(point.harmonic)]) offer(i, coefficients, PointChoice::Kind::sticking, *own);
+    if (!h[0] && point.motion == i) ++found.failures;
   }
 
   // Of masses with friction: the orbit found last and, where that has ended or does not explain the point, those that
@@ -276,8 +273,8 @@ class Solver {
   }
 
   [[nodiscard]] std::optional<Complex> value_at(std::size_t i, const SceneVector& theta,
-                                                const OutputCoefficients& coefficients,
-                                                const ContactMotions* contact) const {
+                                                const OutputCoefficients& coefficients, const ContactMotions* contact,
+                                                std::vector<FoundMotions>& motions) const {
     const MeasuredPoint& point = data_.points[i];
     if (has_friction()) {
       FoundOrbit found = orbits_[i];
@@ -285,18 +282,19 @@ class Solver {
           friction_n(friction_groups(theta, data_, point), data_.output, FrictionStart::found, found, point.harmonic);
       return n ? std::optional<Complex>(friction_value(theta, point, *n)) : std::nullopt;
     }
-    const auto h = h_at(i, theta, contact);
+    const auto h = h_at(i, theta, contact, motions);
     return h ? std::optional<Complex>(point_value(coefficients, point, *h)) : std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta,
-                                            const ContactMotions* contact) const {
-    const double gamma = gamma_at(theta, data_.points[i]);
-    const int harmonic = data_.points[i].harmonic;
+  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta, const ContactMotions* contact,
+                                            std::vector<FoundMotions>& motions) const {
+    const MeasuredPoint& point = data_.points[i];
+    const double gamma = gamma_at(theta, point);
+    const int harmonic = point.harmonic;
     if (contact != nullptr && choices_[i].kind != PointChoice::Kind::free) {
-      FoundMotions found = found_[i];
-      return contact_h(*contact, gamma, contact_angle(theta, data_, data_.points[i]),
-                       choices_[i].kind == PointChoice::Kind::sticking, found, false, harmonic);
+      return contact_h(*contact, gamma, contact_angle(theta, data_, point),
+                       choices_[i].kind == PointChoice::Kind::sticking, motions[point.motion],
+                       false)[harmonic_place(harmonic)];
     }
     switch (choices_[i].kind) {
       case PointChoice::Kind::two_impact: {
@@ -316,9 +314,10 @@ class Solver {
     Evaluation result;
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     const std::optional<ContactMotions> contact = contact_motions(theta);
+    std::vector<FoundMotions> motions = found_;
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       if (!choices_[i].used) continue;
-      const auto value = value_at(i, theta, coefficients, contact ? &*contact : nullptr);
+      const auto value = value_at(i, theta, coefficients, contact ? &*contact : nullptr, motions);
       if (!value) {
         result.ended.push_back(i);
         if (!all) return result;
@@ -377,7 +376,18 @@ NormalEquations products(const SceneData& data, const SceneVector& theta, const 
   NormalEquations result;
   const OutputCoefficients coefficients = output_coefficients(theta, data.output);
   const std::size_t per_point = data.residuals_per_point();
-  const auto contact = found.empty() ? std::nullopt : std::optional<ContactResponses>(theta[3]);
+  const auto contact = found.empty() ? std::nullopt : std::make_optional<ContactResponses>(theta[3], data.harmonics);
+  // Of motions, the symmetric and the followed one.
+  std::vector<std::array<std::optional<ContactResponses::All>, 2>> responses(found.size());
+  const auto response_of_contact = [&](std::size_t i) {
+    const MeasuredPoint& point = data.points[i];
+    const bool is_followed = choices[i].kind == PointChoice::Kind::sticking;
+    auto& all = responses[point.motion][is_followed ? 1 : 0];
+    if (!all) {
+      all = contact->at(gamma_at(theta, point), contact_angle(theta, data, point), is_followed, found[point.motion]);
+    }
+    return (*all)[harmonic_place(point.harmonic)];
+  };
   const auto gradient_of = [&](std::size_t i) -> std::optional<PointGradient> {
     const MeasuredPoint& point = data.points[i];
     if (!orbits.empty()) {
@@ -387,8 +397,7 @@ NormalEquations products(const SceneData& data, const SceneVector& theta, const 
       return friction_gradient(theta, data, point, *response);
     }
     const auto response = contact && choices[i].kind != PointChoice::Kind::free
-                              ? contact->at(gamma_at(theta, data.points[i]), contact_angle(theta, data, data.points[i]),
-                                            choices[i].kind == PointChoice::Kind::sticking, found[i], point.harmonic)
+                              ? response_of_contact(i)
                               : response_of(data, theta, i, choices[i], effort);
     if (!response) return std::nullopt;
     return point_gradient(coefficients, data, point, *response);

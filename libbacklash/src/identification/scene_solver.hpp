@@ -56,9 +56,10 @@ struct LocalScene;
 struct LocalScene {
   SceneVector theta{};
   std::vector<PointChoice> choices;
-  std::vector<FoundMotions> found;  // per point where the contact time is not held at 0, else empty; so with friction
-  std::vector<FoundOrbit> orbits;   // per point where friction is not held at 0, else empty
-  double deviance = 0;              // see scene_evidence
+  // Per point, at the place of its motion, where the contact time is not held at 0, else empty; so with friction.
+  std::vector<FoundMotions> found;
+  std::vector<FoundOrbit> orbits;  // per point where friction is not held at 0, else empty
+  double deviance = 0;             // see scene_evidence
   bool converged = false;
   bool usable = false;  // at least as many residuals as free parameters
 };

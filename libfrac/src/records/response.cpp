@@ -36,6 +36,9 @@ void check(const std::vector<Record>& records, const ResponseOptions& options) {
   }
   if (options.harmonics < 1)
     throw std::invalid_argument("harmonics is " + std::to_string(options.harmonics) + "; expected at least 1");
+  if (!std::isfinite(options.sensor_delay))
+    throw std::invalid_argument("sensor_delay is " + detail::number_text(options.sensor_delay) +
+                                " s; expected a finite number");
   if (!options.period) return;
   for (const Record& record : records) {
     const double length = *options.period / record.sample_time(), longest = 0.5 * static_cast<double>(record.size());
@@ -237,6 +240,7 @@ ResponseEstimate response_over_gaps(const std::vector<Record>& records, const Re
                                   ", and no stretch of 16 samples between them; expected one");
   }
   ResponseOptions told = options;
+  told.sensor_delay = 0;  // of the whole, once
   if (!told.excitation) told.excitation = told.period ? Excitation::periodic : excitation_of(longest_of(parts.front()));
   if (*told.excitation == Excitation::arbitrary)
     throw std::invalid_argument("the record has " + gaps_text(records.front()) +
@@ -248,10 +252,7 @@ ResponseEstimate response_over_gaps(const std::vector<Record>& records, const Re
   return result;
 }
 
-}  // namespace
-
-ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options) {
-  check(records, options);
+ResponseEstimate response_as_read(const std::vector<Record>& records, const ResponseOptions& options) {
   if (std::any_of(records.begin(), records.end(), [](const Record& each) { return !each.gaps().empty(); }))
     return response_over_gaps(records, options);
   ResponseEstimate result;
@@ -319,6 +320,32 @@ ResponseEstimate response(const std::vector<Record>& records, const ResponseOpti
             detail::short_text(chance) + "): no steady state, or a machine that drifts");
     }
   }
+  return result;
+}
+
+/// Value and errors under a turn of the phase by `angle`, of a harmonic by as many times that.
+void turn(ResponsePoint& point, double angle) {
+  const std::complex<double> by = std::polar(1.0, angle);
+  point.value *= by;
+  point.windowed *= by;
+  for (ResponseHarmonic& harmonic : point.harmonics) harmonic.value *= std::polar(1.0, harmonic.order * angle);
+  const double re = point.sigma_re * point.sigma_re, im = point.sigma_im * point.sigma_im,
+               both = point.correlation * point.sigma_re * point.sigma_im;
+  const double c = by.real(), s = by.imag();
+  point.sigma_re = std::sqrt(std::max(0.0, re * c * c + im * s * s - 2 * both * c * s));
+  point.sigma_im = std::sqrt(std::max(0.0, re * s * s + im * c * c + 2 * both * c * s));
+  const double size = point.sigma_re * point.sigma_im;
+  if (size > 0) point.correlation = std::clamp(((re - im) * c * s + both * (c * c - s * s)) / size, -1.0, 1.0);
+}
+
+}  // namespace
+
+ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options) {
+  check(records, options);
+  ResponseEstimate result = response_as_read(records, options);
+  if (options.sensor_delay != 0)
+    for (auto& points : result.outputs)
+      for (ResponsePoint& point : points) turn(point, point.omega * options.sensor_delay);
   return result;
 }
 

@@ -52,6 +52,7 @@ class Response : public Command {
     o.count("--harmonics", choice_.harmonics, 1, 1000,
             "Harmonics of the output under a stepped sine, the first included", "H")
         .not_with({"--excitation", {"periodic", "arbitrary"}}, "whose lines mix");
+    o.number("--sensor-delay", choice_.sensor_delay, "outputs, against the input; it is taken out");
     o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending: response, noise, distortion",
            "FILE");
     add_common({"csv", "json", "table"});

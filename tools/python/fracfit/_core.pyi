@@ -225,6 +225,7 @@ def response(
     excitation: str | None,
     period: float | None,
     harmonics: int,
+    sensor_delay: float,
     /,
 ) -> dict[str, Any]: ...
 def multisine(

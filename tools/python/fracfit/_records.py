@@ -210,6 +210,7 @@ def response(
     excitation: str | None = None,
     period: float | None = None,
     harmonics: int | None = None,
+    sensor_delay: float = 0.0,
 ) -> RecordResponse:
     """Frequency response of an experiment, from samples over time, each value with its error.
 
@@ -234,6 +235,8 @@ def response(
         Of a periodic excitation, s; found unless given, to a fraction of a sample.
     harmonics : int, optional
         Of the output under a stepped sine, the first included; 5 by default.
+    sensor_delay : float, optional
+        Time by which outputs are read later than the input, s; it is taken out of the response.
 
     Raises
     ------
@@ -303,7 +306,10 @@ def response(
             records.append(file["record"])
             notes += [f"{os.fspath(each)}: {note}" for note in file["notes"]]
             first = first or file
-    found = _core.response(records, excitation, None if period is None else number(period, "period"), orders)
+    late = number(sensor_delay, "sensor_delay")
+    if not np.isfinite(late):
+        raise ValueError(f"sensor_delay is {late:g}; it must be finite")
+    found = _core.response(records, excitation, None if period is None else number(period, "period"), orders, late)
     return _chosen(found, notes, first)
 
 

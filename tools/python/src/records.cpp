@@ -66,8 +66,8 @@ py::array_t<T> harmonics_of(const frac::ResponseEstimate& found, std::size_t ord
 }
 
 py::dict response(const std::vector<Signals>& given, const std::optional<std::string>& excitation,
-                  const std::optional<double>& period, int harmonics) {
-  frac::ResponseOptions options{{}, period, harmonics};
+                  const std::optional<double>& period, int harmonics, double sensor_delay) {
+  frac::ResponseOptions options{{}, period, harmonics, sensor_delay};
   if (excitation) options.excitation = word_of("excitation", *excitation, frac::excitations());
   std::vector<frac::Record> records;
   for (const Signals& signals : given) records.push_back(record_of(signals));

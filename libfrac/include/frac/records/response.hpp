@@ -59,6 +59,8 @@ struct ResponseOptions {
   std::optional<Excitation> excitation;  // found where not told
   std::optional<double> period;          // s; found where not told
   int harmonics = 5;                     // of a stepped sine, >= 1
+  /// s, by which outputs are read later than the input: e^{j omega delay} takes it out of the response.
+  double sensor_delay = 0;
 };
 
 struct ResponseEstimate {
@@ -89,8 +91,8 @@ struct ResponseEstimate {
 /// Gaps: a period of whole samples goes on over them, the segment of a stepped sine before and after one is one point
 /// where both sides agree.
 /// @throws std::invalid_argument  no record, records with other sample times or counts of outputs, harmonics < 1, a
-///                                period that is not positive or of which no record holds two, an arbitrary
-///                                excitation with gaps.
+///                                delay that is not finite, a period that is not positive or of which no record holds
+///                                two, an arbitrary excitation with gaps.
 [[nodiscard]] ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options = {});
 
 }  // namespace frac
