@@ -81,8 +81,8 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
   const bool blind = problem.options.global_start && !problem.map.free().empty();
   LocalOptions options;
   options.cost_tolerance = settled;
-  FrequencySolution result{blind ? search_from_nothing(problem, few, hopeless)
-                                 : search_from_start(problem, few, options)};
+  FrequencySolution result{
+      blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options), std::nullopt};
   if (result.starts_at_best == 0) return result;
   // The way along a valley is gone on means of very many points.
   constexpr std::size_t bins = 10'000;
