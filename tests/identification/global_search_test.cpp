@@ -217,16 +217,15 @@ TEST(GlobalSearch, CrossesFromOneSignOfAnInertiaToTheOther) {
 }
 
 // K ((T1 s + 1)/(T2 s + 1))^a on data of an oscillator: solves that grow T1 and diminish K run out of steps at three
-// times the error of the optimum, in three of eight of such data all of the first few.  A row of a ranking that
-// something else beats by far is to be the optimum of its structure as fit() finds it.  One of eight may end in another
-// minimum where the processor rounds otherwise: rows are searched until a lower one exists with a chance of .1 at most.
+// times the error of the optimum, in three of eight of such data all of the first few, and in some all of a search.  A
+// row of a ranking that something else beats by far is to be the optimum of its structure as fit() finds it.
 TEST(GlobalSearch, LeavesAHopelessStructureAtAMinimum) {
   const frac::Structure structure("K ((T1 s + 1)/(T2 s + 1))^a");
   frac::FitOptions options;
   options.weight = frac::Weight::relative;
   options.assumptions.stable = false;
   options.constraints = {{"K", {}, -std::numeric_limits<double>::infinity(), {}, {}}, {"a", {}, 0.0, 2.0, {}}};
-  int elsewhere = 0;
+  int early = 0;
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937_64 generator(seed);
     std::normal_distribution<double> normal(0, 0.01);
@@ -245,13 +244,11 @@ TEST(GlobalSearch, LeavesAHopelessStructureAtAMinimum) {
     const frac::FitResult row =
         frac::detail::fit_in_reach(data, structure, options, hopeless, frac::detail::Profiled::all);
     // Costs that agree to a thousandth are the same minimum.
-    if (std::abs(row.rms - best) > 1e-3 * best) {
-      ++elsewhere;
-      continue;
-    }
-    EXPECT_NE(row.message.find("not searched further"), std::string::npos) << row.message;
+    EXPECT_NEAR(row.rms, best, 1e-3 * best) << "data of seed " << seed;
+    early += row.message.find("not searched further") == std::string::npos ? 0 : 1;
   }
-  EXPECT_LE(elsewhere, 1);
+  // A search whose best end is no minimum goes on.
+  EXPECT_GT(early, 0);
 }
 
 }  // namespace

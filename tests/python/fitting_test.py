@@ -443,6 +443,20 @@ def test_economy_of_powers_is_that_of_scipy():
         assert error <= least * 1.0001
 
 
+def test_computed_data_have_no_chance():
+    # K s^a misses it by some per cent.
+    curve = fracfit.describing_function(np.linspace(19.1, 35, 40), force=40, clearance=0.3, restitution=0.6).data()
+    fitted = fracfit.fit(curve, "power-law", component="imaginary")
+    joint = fracfit.joint_fit([curve, curve], "power-law", each="K", component="imaginary")
+    ranked = fracfit.identify(curve, ["power-law", "lag"], component="imaginary")
+    for result in (fitted, joint, ranked):
+        assert result.without_noise and "These data carry no noise" in repr(result)
+        for shown in (repr(result), result._repr_html_()):
+            for word in ("95 %", "not identified", "odds", "white noise", "Akaike"):
+                assert word not in shown
+    assert "95 %" in repr(fracfit.fit(fracfit.FrequencyResponse(curve.omega, curve.response), "power-law"))
+
+
 def test_identify_tells_data_without_noise():
     exact = fracfit.identify(EXACT, ["fractional-lag"])
     assert exact.without_noise and exact.economy.needs["terms"][2] == 3

@@ -318,6 +318,18 @@ TEST(WriteReport, FindsTheStructureThatMadeTheData) {
   EXPECT_NEAR(report.parameter("K/(T s^a + 1)", "a"), 0.7, 1e-5);
 }
 
+// With the header of a command that computes, the same data carry no noise, and the answer is about economy: to the
+// error of six digits three parameters follow them, the law that they were made from.
+TEST(WriteReport, SaysOfComputedDataWhatIdentifySays) {
+  const FileReport report("lag.csv", "# command: fracfit evaluate --model lag\n" + fractional_lag_csv());
+  const std::string page = report.page();
+  for (const char* said : {"These data carry no noise: what counts is how many parameters buy which error.",
+                           "a fractional order is the shorter description"})
+    EXPECT_NE(page.find(said), std::string::npos) << said;
+  for (const char* hidden : {" odds ", "with 95 % intervals", "misses the data</td>", ">not identified<"})
+    EXPECT_EQ(page.find(hidden), std::string::npos) << hidden;
+}
+
 // The response of the lag with its real part times three at one frequency, as an instrument that slips a range writes
 // it: the page names the frequency, and the order is that of the other points.
 TEST(WriteReport, LeavesOutWhatItsNeighboursContradict) {

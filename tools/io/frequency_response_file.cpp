@@ -2,11 +2,14 @@
 #include "io/frequency_response_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "io/column_name.hpp"
@@ -300,6 +303,13 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
   if (options.immittance) return in_immittance(std::move(file), *options.immittance, measurement.file);
   if (!options.quantity || *options.quantity == file.quantity) return file;
   return in_quantity(std::move(file), *options.quantity, measurement.file);
+}
+
+bool is_computed(const Metadata& header) {
+  const std::string_view command = find_value(header, "command").value_or(std::string_view{});
+  return std::ranges::any_of(std::array{"simulate", "map", "evaluate"}, [&](const char* each) {
+    return command.starts_with(std::string("fracfit ") + each + " ");
+  });
 }
 
 bool has_measured_sigma(const FrequencyResponseFile& file) {

@@ -89,6 +89,9 @@ struct FrequencyResponseFile {
 /// Whether a file has deviations that were measured, see sigma_key.
 [[nodiscard]] bool has_measured_sigma(const FrequencyResponseFile& file);
 
+/// Whether the header names a command that computes responses, which carry no noise.
+[[nodiscard]] bool is_computed(const Metadata& header);
+
 /// The same file with the other quantity in it, with a note: values, sigma, unit and the entry of the header.
 /// @throws DataError  no point has one, or the real part is missing.
 [[nodiscard]] FrequencyResponseFile in_quantity(FrequencyResponseFile file, backlash::Quantity quantity,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
+#include "frac/identification/economy.hpp"
 #include "frac/identification/screened_fit.hpp"
 #include "frac/identification/validate.hpp"
 #include "frac/parameter_units.hpp"
@@ -39,11 +41,24 @@ std::string frequencies_of(const frac::FrequencyResponseData& data, const std::v
   return text;
 }
 
+/// Of data without noise the verdict is about economy, and nothing else is to be said of odds.
+void judge_economy(const frac::FrequencyResponseData& data, frac::Component component, int threads,
+                   frac::IdentificationResult& result) {
+  result.verdict_sentence = frac::no_noise_sentence;
+  result.notes.clear();
+  try {
+    result.verdict_sentence += " " + frac::economy(data, {}, {component}, threads).sentence;
+  } catch (const std::invalid_argument& error) {
+    result.notes.emplace_back(error.what());
+  }
+}
+
 /// The answers that a reader asks first: the verdict, the values, and to how much the points belong together.
 std::string headline(const frac::IdentificationResult& result, const frac::ValidationResult& validity,
                      const std::string& unit) {
-  std::string line(frac::to_string(result.verdict));
-  if (std::isfinite(result.log10_odds)) {
+  const bool noisy = !result.without_noise();
+  std::string line(noisy ? frac::to_string(result.verdict) : "without noise");
+  if (noisy && std::isfinite(result.log10_odds)) {
     const double odds = std::pow(10.0, std::abs(result.log10_odds));
     line +=
         ", odds " + html_number(odds, 3) + ":1 for " + (result.log10_odds > 0 ? "a fractional order" : "whole orders");
@@ -57,7 +72,7 @@ std::string headline(const frac::IdentificationResult& result, const frac::Valid
   std::size_t count = 0;
   for (std::size_t i = 0; i < std::min(units.size(), chosen.fit.parameters.size()) && count < most; ++i) {
     const frac::ParameterEstimate& each = chosen.fit.parameters[i];
-    if (units[i] != unit || !each.identified || std::isnan(each.ci95_lower)) continue;
+    if (!noisy || units[i] != unit || !each.identified || std::isnan(each.ci95_lower)) continue;
     values += (values.empty() ? "" : ", ") + each.name + " = " + html_number(each.value, 4) + " ± " +
               html_number((each.ci95_upper - each.ci95_lower) / 2, 2) + (unit.empty() ? "" : " " + unit);
     ++count;
@@ -108,8 +123,10 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   const std::size_t residuals = (both ? 2 : 1) * points.kept().size();
   const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), residuals);
   std::optional<frac::IdentificationResult> result;
+  options.without_noise = io::is_computed(read.metadata);
   if (!models.empty()) result = frac::identify(points, models, {}, options, work.threads);
   const frac::FrequencyResponseData& data = points.kept();
+  if (result && result->without_noise()) judge_economy(data, options.component, work.threads, *result);
   std::string text = prose("data", "extent",
                            {{"points", std::to_string(read.data.size())},
                             {"from", frequency(taken, read.data.omega().front())},

@@ -114,8 +114,8 @@ Table law_table(const Scene& scene, const JumpLaw& law) {
               {{"clearance_m", "Δ / m"},
                {"a", "a, ours", 5},
                {"b", "b, ours", 5},
-               {"b_ci95_lower", "95 % from", 5},
-               {"b_ci95_upper", "to", 5},
+               {"b_ci95_lower", "95 % from", 5, false},
+               {"b_ci95_upper", "to", 5, false},
                {"a_published", "a, published"},
                {"b_published", "b, published"},
                {"a_similarity", "a, similarity", 5},
@@ -140,11 +140,11 @@ Table clearance_table(const Scene& scene, const JumpLaw& law) {
               {{"quantity", "quantity"},
                {"source", "source"},
                {"coefficient", "coefficient", 5},
-               {"coefficient_ci95_lower", "95 % from", 5},
-               {"coefficient_ci95_upper", "to", 5},
+               {"coefficient_ci95_lower", "95 % from", 5, false},
+               {"coefficient_ci95_upper", "to", 5, false},
                {"exponent", "exponent", 5, true, false, 1e-12},
-               {"exponent_ci95_lower", "95 % from", 5, true, false, 1e-12},
-               {"exponent_ci95_upper", "to", 5, true, false, 1e-12}}};
+               {"exponent_ci95_lower", "95 % from", 5, false, false, 1e-12},
+               {"exponent_ci95_upper", "to", 5, false, false, 1e-12}}};
   const auto ours = [&table](const std::string& quantity, const frac::PowerLaw& fitted) {
     table.rows.push_back({quantity, std::string("ours"), fitted.coefficient, fitted.coefficient_ci95_lower,
                           fitted.coefficient_ci95_upper, fitted.exponent, fitted.exponent_ci95_lower,

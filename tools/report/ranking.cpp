@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "frac/parameter_units.hpp"
 #include "report/figure.hpp"
@@ -63,6 +64,18 @@ std::string estimate_text(const frac::ParameterEstimate& parameter) {
   return text + " (" + plain_number(parameter.ci95_lower, 4) + " … " + plain_number(parameter.ci95_upper, 4) + ")";
 }
 
+namespace {
+
+/// As it is shown: without noise it has no interval, and may not lack one.
+frac::ParameterEstimate shown(frac::ParameterEstimate parameter, bool without_noise) {
+  if (!without_noise) return parameter;
+  parameter.identified = true;
+  parameter.ci95_lower = parameter.ci95_upper = std::numeric_limits<double>::quiet_NaN();
+  return parameter;
+}
+
+}  // namespace
+
 std::string verdict_html(const frac::IdentificationResult& result) {
   std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
   if (!result.notes.empty()) {
@@ -82,15 +95,17 @@ std::string verdict_html(const frac::IdentificationResult& result) {
 
 Table chosen_table(const std::string& name, const frac::IdentificationResult& result, const std::string& unit) {
   const frac::RankedFit& chosen = result.ranking.at(result.chosen);
-  Table table{name,
-              prose("ranking", "chosen", {{"model", html_formula(described(chosen))}}),
-              {{"parameter", "parameter"},
-               {"value", "value", 5},
-               {"standard_error", "standard error", 2},
-               {"ci95_lower", "95 % from", 5},
-               {"ci95_upper", "to", 5},
-               {"remark", "remark"},
-               {"unit", "unit", 0, true, true}}};
+  const bool without_noise = result.without_noise();
+  Table table{
+      name,
+      prose("ranking", without_noise ? "chosen-without-noise" : "chosen", {{"model", html_formula(described(chosen))}}),
+      {{"parameter", "parameter"},
+       {"value", "value", 5},
+       {"standard_error", "standard error", 2},
+       {"ci95_lower", "95 % from", 5},
+       {"ci95_upper", "to", 5},
+       {"remark", "remark"},
+       {"unit", "unit", 0, true, true}}};
   if (chosen.fit.parameters.empty()) return table;
   const std::vector<std::string> units = frac::parameter_units(frac::Structure(chosen.fit.model), unit);
   for (std::size_t i = 0; i < chosen.fit.parameters.size(); ++i) {
@@ -98,8 +113,9 @@ Table chosen_table(const std::string& name, const frac::IdentificationResult& re
     // Of a fit over time, what the output shows at rest stands behind the parameters of the formula.
     const std::string in_unit = i < units.size() && units[i] != "1" ? units[i] : "";
     table.rows.push_back({parameter.name, parameter.value, parameter.standard_error, parameter.ci95_lower,
-                          parameter.ci95_upper, remark(parameter), in_unit});
+                          parameter.ci95_upper, remark(shown(parameter, without_noise)), in_unit});
   }
+  for (std::size_t column = 2; column < 5; ++column) table.columns[column].on_page = !without_noise;
   // Nobody reads a column without words.
   for (std::size_t column = table.columns.size() - 2; column < table.columns.size(); ++column)
     table.columns[column].on_page = std::any_of(table.rows.begin(), table.rows.end(), [column](const auto& row) {
@@ -109,6 +125,7 @@ Table chosen_table(const std::string& name, const frac::IdentificationResult& re
 }
 
 Table ranking_table(const std::string& name, const std::string& caption, const frac::IdentificationResult& result) {
+  const bool without_noise = result.without_noise();
   Table table{name,
               caption,
               {{"rank", "rank"},
@@ -128,8 +145,10 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
     const auto append = [&parameters](const std::string& part) {
       parameters += (parameters.empty() ? "" : "; ") + part;
     };
-    for (const auto& parameter : ranked.fit.parameters) append(estimate_text(parameter));
-    std::string note = i == result.chosen ? "chosen" : ranked.lack_of_fit.adequate ? "" : "misses the data";
+    for (const auto& parameter : ranked.fit.parameters) append(estimate_text(shown(parameter, without_noise)));
+    std::string note = i == result.chosen                             ? "chosen"
+                       : ranked.lack_of_fit.adequate || without_noise ? ""
+                                                                      : "misses the data";
     if (ranked.fit.termination != frac::FitTermination::converged) {
       append(ranked.fit.message);
       note += (note.empty() ? "" : ", ") + std::string(frac::to_string(ranked.fit.termination));
@@ -140,6 +159,7 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
                           static_cast<double>(ranked.fit.free_parameters), ranked.fit.aicc, ranked.delta_aicc,
                           ranked.akaike_weight, ranked.fit.rms, ranked.fit.max_residual, parameters, note});
   }
+  table.columns[5].on_page = !without_noise;
   table.rows_on_page = 12;
   return table;
 }
@@ -160,7 +180,8 @@ Table parameter_table(const std::string& name, const std::string& caption, const
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     for (const auto& parameter : result.ranking[i].fit.parameters) {
       table.rows.push_back({static_cast<double>(i + 1), described(result.ranking[i]), parameter.name, parameter.value,
-                            parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper, remark(parameter)});
+                            parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper,
+                            remark(shown(parameter, result.without_noise()))});
     }
   }
   return table;

@@ -286,6 +286,7 @@ class ComponentFit {
     detail::LocalSolution& best = solution_.best;
     const detail::Confidence found = weighed_confidence(problem_, best, local_);
     result.message = ending(solution_);
+    result.without_noise = options.without_noise;
     describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
     const bool closely = best.cost * rule.unit * rule.unit <= extent_.hopeless;
     if (extent_.profiles && closely) follow_cost(result, problem_, best, found, extent_.profiled);
@@ -301,7 +302,7 @@ class ComponentFit {
     const bool relative = options.weight == Weight::relative ||
                           (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
     result.message += detail::remark_on_zeros(data, options);
-    if (relative) remark_on_noisy_divisor(result, problem_, best.theta);
+    if (relative && !result.without_noise) remark_on_noisy_divisor(result, problem_, best.theta);
     result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
     result.seconds = seconds_ + since(begin);
     return result;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -6,30 +7,38 @@
 #include "frac/identification/identify.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/identification/tune.hpp"
+#include "identification/statistics/estimates.hpp"
 
 namespace frac {
 
 using detail::short_text;
 
+std::string detail::summary_line(const ParameterEstimate& estimate, bool without_noise) {
+  std::string text = "  " + estimate.name + " = " + short_text(estimate.value);
+  if (estimate.fixed) return text + ", fixed\n";
+  if (!without_noise && std::isfinite(estimate.ci95_lower) && std::isfinite(estimate.ci95_upper))
+    text += ", 95 % within " + short_text(estimate.ci95_lower) + " .. " + short_text(estimate.ci95_upper);
+  if (estimate.at_bound) text += ", at its bound";
+  if (!without_noise && !estimate.identified) text += ", not identified";
+  return text + "\n";
+}
+
 std::string FitResult::summary() const {
   std::string text = model + "\n";
-  for (const ParameterEstimate& each : parameters) {
-    text += "  " + each.name + " = " + short_text(each.value);
-    if (each.fixed) {
-      text += ", fixed";
-    } else if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper)) {
-      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
-    }
-    if (each.at_bound) text += ", at its bound";
-    if (!each.fixed && !each.identified) text += ", not identified";
-    text += "\n";
-  }
-  return text + "rms residual " + short_text(rms) + ", largest " + short_text(max_residual) + ". " + message;
+  for (const ParameterEstimate& each : parameters) text += detail::summary_line(each, without_noise);
+  return text + "rms residual " + short_text(rms) + ", largest " + short_text(max_residual) + ". " + message +
+         (without_noise ? "\n" + std::string(no_noise_sentence) : "");
 }
 
 std::string IdentificationResult::summary() const {
-  const RankedFit& best = ranking.at(chosen);
-  return verdict_sentence + "\nChosen: " + (best.name == best.fit.model ? "" : best.name + ", ") + best.fit.summary();
+  RankedFit best = ranking.at(chosen);
+  best.fit.without_noise = without_noise();
+  return (without_noise() ? "" : verdict_sentence + "\n") +
+         "Chosen: " + (best.name == best.fit.model ? "" : best.name + ", ") + best.fit.summary();
+}
+
+bool IdentificationResult::without_noise() const {
+  return std::any_of(ranking.begin(), ranking.end(), [](const RankedFit& each) { return each.fit.without_noise; });
 }
 
 std::string TuningResult::summary() const {

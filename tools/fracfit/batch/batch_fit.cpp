@@ -93,6 +93,7 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
 FitRequest request_for(const BatchTask& task, const io::FrequencyResponseFile& file) {
   FitRequest request = task.request;
   request.component = frac::fitted_component(file.data, request.component);
+  request.without_noise = io::is_computed(file.metadata);
   if (!task.weight_is_told && io::has_measured_sigma(file)) request.weight = frac::to_string(frac::Weight::given);
   return request;
 }

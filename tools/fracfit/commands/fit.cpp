@@ -186,12 +186,12 @@ class Fit : public Command {
     settle_component(request_, options(), file.data,
                      [&](const std::string& text) { say(request_.data + ": " + text); });
     settle_weight(request_, options(), file, [&](const std::string& text) { say(request_.data + ": " + text); });
-    wanted.weight = fit_options(request_).weight;
+    request_.without_noise = io::is_computed(file.metadata);
+    wanted = fit_options(request_);
     if (is_component_law()) {
       chosen_ = law_of(request_.component);
       chosen_.constraints = constraints_of(chosen_, parameters_);
     }
-    wanted.component = request_.component;
     auto points = screened(request_, file.data, note);
     const auto made = frac::fit(points, asked(), wanted);
     if (!points.taken_back().empty()) say(points.taken_back());

@@ -29,13 +29,6 @@ std::vector<double> prediction_rms(const Data& data, const Options& options, con
   return found.rms;
 }
 
-/// Computed by `simulate`, or met to rounding by a model.
-bool are_without_noise(const io::Metadata& header, const frac::FrequencyResponseData& data,
-                       const frac::FitOptions& options, const frac::IdentificationResult& result) {
-  const auto command = io::find_value(header, "command");
-  return (command && command->starts_with("fracfit simulate ")) || frac::met_to_rounding(data, options, result);
-}
-
 class Identify : public Command {
  public:
   Identify()
@@ -187,8 +180,8 @@ class Identify : public Command {
     settle_component(request_, options(), file.data,
                      [&](const std::string& text) { say(request_.data + ": " + text); });
     settle_weight(request_, options(), file, [&](const std::string& text) { say(request_.data + ": " + text); });
-    fit.weight = fit_options(request_).weight;
-    fit.component = request_.component;
+    request_.without_noise = io::is_computed(file.metadata);
+    fit = fit_options(request_);
     check_folds(file.data.size());
     auto points = screened(request_, file.data, note);
     const bool static_backlash = complete_scene(file.metadata);
@@ -215,7 +208,7 @@ class Identify : public Command {
           " rad/s static backlash passes no motion on, so that N is 0 and -1/N infinite");
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
     FitRun about = fit_run(request_, options(), file, points.left_out(), command_line());
-    if (are_without_noise(file.metadata, points.kept(), fit, result))
+    if (fit.without_noise || result.without_noise())
       about.economy = economy_of(points.kept(), frac::at_kept(points, curves));
     return write_ranking(points.kept(), fit, result, about);
   }

@@ -183,7 +183,7 @@ class JointFit : public Command {
     JointRun run{
         .command = command_line(), .formula = chosen_.formula, .derived = quantities_, .derived_from = derived_from_};
     const auto note = [this](const std::string& text) { say(text); };
-    bool same_unit = true, in_hertz = true, all_measured = true;
+    bool same_unit = true, in_hertz = true, all_measured = true, computed = true;
     run.lower = std::numeric_limits<double>::infinity();
     const auto add = [&](const std::string& name, auto data, std::size_t points, io::Metadata header) -> auto& {
       frac::JointCurve& added = curves.emplace_back(frac::JointCurve{name, std::move(data)});
@@ -202,12 +202,14 @@ class JointFit : public Command {
       const auto& time = record.data.time();
       run.longest = std::max(run.longest, time.back() - time.front());
       const std::size_t points = record.data.observed().size();
+      computed = false;
       static_cast<void>(add(file, std::move(record.data), points, std::move(record.header)));
     };
     const auto add_response = [&](const BatchCurve& curve) {
       auto file = read_curve(request_, curve, note);
       same_unit = same_unit && (run.upper == 0 || file.value_unit == run.value_unit);
       all_measured = all_measured && io::has_measured_sigma(file);
+      computed = computed && io::is_computed(file.metadata);
       in_hertz = in_hertz && file.data.frequency_unit() == frac::FrequencyUnit::hertz;
       run.value_unit = file.value_unit;
       run.lower = std::min(run.lower, file.data.omega().front());
@@ -234,6 +236,7 @@ class JointFit : public Command {
       say(weighed_by_measured_sigma);
     }
     fit_.fit.component = request_.component;
+    fit_.fit.without_noise = computed;
     if (!same_unit) run.value_unit.clear();
     run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",

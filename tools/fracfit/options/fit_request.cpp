@@ -125,6 +125,7 @@ frac::FitOptions fit_options(const FitRequest& request) {
   options.seed = request.seed;
   const auto said = [](const std::string& text) { return text.empty() ? std::nullopt : std::optional(text == "yes"); };
   options.assumptions = {said(request.stable), said(request.dead_time), request.passive};
+  options.without_noise = request.without_noise;
   return options;
 }
 

@@ -35,6 +35,7 @@ struct FitRequest {
   std::string outliers = "leave-out";
   std::string stable, dead_time;  // yes, no or empty
   bool passive = false;
+  bool without_noise = false;     // as the header of the data says, see io::is_computed()
   std::string key_column, curve;  // which curve of a file that holds several
   io::MeasurementOptions how;     // what the file does not tell of itself
 };

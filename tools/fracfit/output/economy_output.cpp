@@ -57,8 +57,8 @@ std::string economy_table(const frac::Economy& economy) {
       row.push_back(error_with(economy, curve, count));
     errors.add(row);
   }
-  return "These data carry no noise: what counts is how many parameters buy which error.\n\n" + needs.text() + "\n" +
-         errors.text() + given + "whole powers: the least of all; others: the least found; \" no less; 0 rounding\n\n" +
+  return std::string(frac::no_noise_sentence) + "\n\n" + needs.text() + "\n" + errors.text() + given +
+         "whole powers: the least of all; others: the least found; \" no less; 0 rounding\n\n" +
          paragraph("economy: " + std::string(to_string(economy.verdict)) + ". " + economy.sentence);
 }
 

@@ -93,8 +93,8 @@ std::string remark_on_profiles(const frac::FitResult& result) {
 
 std::string parameter_table(const FitRun& run, const frac::FitResult& result) {
   if (result.parameters.empty()) return {};
-  return estimate_table("parameter", result.parameters, {result.model, run.value_unit}) +
-         remark_on_limits(result.parameters) + remark_on_profiles(result);
+  return estimate_table("parameter", result.parameters, {result.model, run.value_unit}, result.without_noise) +
+         remark_on_limits(result.parameters) + (result.without_noise ? "" : remark_on_profiles(result));
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
@@ -122,6 +122,7 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
 
 std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
+  if (result.without_noise) return {};
   std::string text = "residuals: correlation of neighbours " +
                      short_number(statistics.whiteness.lag_one_correlation, 3) + ", chance of that from noise alone " +
                      short_number(statistics.whiteness.p_value, 3) + "\n";
@@ -164,11 +165,11 @@ std::string closing(const frac::FitResult& result) {
   std::string text = "cost " + short_number(result.cost) + " (sum of " + std::to_string(result.residuals) +
                      " squared residuals), rms " + short_number(result.rms) + share_of_data(result) + ", largest " +
                      short_number(result.max_residual) + "\n";
-  text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
+  if (!result.without_noise) text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
   return text +
          paragraph(std::string(frac::to_string(result.termination)) + ": " +
                    with_advice(result.message, result.advice) + " " + short_number(result.seconds) + " s.") +
-         remark_on_poles(result);
+         remark_on_poles(result) + (result.without_noise ? paragraph(std::string(frac::no_noise_sentence)) : "");
 }
 
 io::Metadata head_of(const FitRun& run) {
@@ -351,8 +352,8 @@ std::string fit_table(const FitRun& run, const frac::FitResult& result, const Fi
   return "model      " + result.model + "\n" +
          (run.law.empty() ? reading(result.model) : "law        " + paragraph(run.law, law_indent)) + heading(run) +
          "\n" + (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(run, result) + "\n" +
-         prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
-         remarks_on_residuals(run, result, statistics) + closing(result);
+         prior_table(result.priors) + derived_table(statistics.derived, result.without_noise) +
+         added_intervals(result, statistics) + remarks_on_residuals(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
@@ -389,9 +390,9 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   text += "\n" + ranking.text();
   if (!others.empty())
     text += paragraph((noisy ? "These miss the data too, by an rms of: " : "Others, with their rms: ") + others + ".");
-  text += "chosen: " + why_chosen(result);
-  if (!noisy) return text + "\n\n" + economy_table(*run.economy);
-  text += "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
+  if (!noisy) return text + "\n" + economy_table(*run.economy);
+  text +=
+      "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(run, chosen.fit) + "\n" + remark_on_poles(chosen.fit);
   text += paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " +
@@ -412,6 +413,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
                     {"lag_one_correlation", io::format_number(statistics.whiteness.lag_one_correlation)},
                     {"whiteness_p_value", io::format_number(statistics.whiteness.p_value)}})
     document.head.emplace_back(key, value);
+  if (result.without_noise) document.head.emplace_back("without_noise", "true");
   if (!run.law.empty()) document.head.emplace_back("law", run.law);
   auto& columns = document.rows.columns;
   columns = {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"};

@@ -81,15 +81,16 @@ ParameterUnits units_of(const JointRun& run) {
 
 std::string curve_table(const JointRun& run, const frac::JointFitResult& result) {
   std::vector<std::string> heading{"curve"};
+  const bool noisy = !result.without_noise;
   const ParameterUnits units = units_of(run);
   for (const auto& parameter : own_of(result, result.curves.front())) {
     const std::string unit = units.shown(parameter.name);
     heading.push_back(parameter.name + (unit.empty() ? "" : " (" + unit + ")"));
-    heading.emplace_back("+-");
+    if (noisy) heading.emplace_back("+-");
   }
   for (const auto& each : run.derived) {
     heading.push_back(each.name());
-    heading.emplace_back("+-");
+    if (noisy) heading.emplace_back("+-");
   }
   for (const char* name : {"rms", "alone", ""}) heading.emplace_back(name);
   AlignedTable table(heading, AlignedTable::Last::remark);
@@ -98,13 +99,13 @@ std::string curve_table(const JointRun& run, const frac::JointFitResult& result)
     std::string remark;
     for (const auto& parameter : own_of(result, curve)) {
       row.push_back(short_number(parameter.value));
-      row.push_back(parameter.fixed ? "-" : short_number(result.half_width * parameter.standard_error));
-      if (const auto state = parameter_state(parameter); !state.empty())
+      if (noisy) row.push_back(parameter.fixed ? "-" : short_number(result.half_width * parameter.standard_error));
+      if (const auto state = parameter_state(parameter, !noisy); !state.empty())
         remark += (remark.empty() ? "" : ", ") + parameter.name + " " + state;
     }
     for (const auto& each : derived_of(run, result, curve)) {
       row.push_back(short_number(each.value));
-      row.push_back(short_number(result.half_width * each.standard_error));
+      if (noisy) row.push_back(short_number(result.half_width * each.standard_error));
     }
     row.push_back(short_number(curve.rms));
     row.push_back(short_number(curve.rms_alone));
@@ -152,13 +153,15 @@ std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& res
   add_line("reference", "reference  ");
   text += "\n";
   if (!result.curves.empty())
-    text += estimate_table("shared", result.shared, units_of(run)) + "\n" + curve_table(run, result) +
-            "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n" +
-            prior_table(priors_of(result));
-  if (result.sharing_p_value == result.sharing_p_value)
+    text += estimate_table("shared", result.shared, units_of(run), result.without_noise) + "\n" +
+            curve_table(run, result) + (result.without_noise ? "" : "+- is half of the 95 % interval; ") +
+            "alone: rms where the curve shares nothing.\n\n" + prior_table(priors_of(result));
+  if (!result.without_noise && result.sharing_p_value == result.sharing_p_value)
     text += "chance of curves that share to differ as these do " + short_number(result.sharing_p_value) + "\n";
-  return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-                          short_number(result.seconds) + " s.");
+  return text +
+         paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                   short_number(result.seconds) + " s.") +
+         (result.without_noise ? paragraph(std::string(frac::no_noise_sentence)) : "");
 }
 
 std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& result) {

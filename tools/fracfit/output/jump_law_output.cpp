@@ -24,10 +24,6 @@ frac::PowerLaw power_law(double coefficient, double exponent) {
   return law;
 }
 
-std::string with_interval(double value, double lower, double upper) {
-  return short_number(value) + " [" + short_number(lower) + ", " + short_number(upper) + "]";
-}
-
 // Six decimals: where the law is exact, what remains is rounding.
 double without_rounding_noise(double value) {
   return std::round(value * 1e6) / 1e6 + 0.0;
@@ -39,11 +35,8 @@ std::string percent(double value, double reference) {
   return text;
 }
 
-std::string formula(const char* name, const frac::PowerLaw& law) {
-  return std::string(name) + " = " +
-         with_interval(law.coefficient, law.coefficient_ci95_lower, law.coefficient_ci95_upper) + " Delta^" +
-         with_interval(without_rounding_noise(law.exponent), without_rounding_noise(law.exponent_ci95_lower),
-                       without_rounding_noise(law.exponent_ci95_upper));
+std::string formula(const frac::PowerLaw& law) {
+  return short_number(law.coefficient) + " Delta^" + short_number(without_rounding_noise(law.exponent));
 }
 
 Json power_law_json(const frac::PowerLaw& law) {
@@ -147,8 +140,8 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
                percent(force_law.coefficient, published_a(clearance)), short_number(published_b(clearance)),
                percent(force_law.exponent, published_b(clearance)), short_number(similarity_a(clearance)),
                percent(force_law.coefficient, similarity_a(clearance))});
-  text += table.text() + "\nwith 95 % intervals:\n  " + formula("a", law.a_of_clearance) + "\n  " +
-          formula("b", law.b_of_clearance) + "\n";
+  text +=
+      table.text() + "\nfitted:\n  a = " + formula(law.a_of_clearance) + ",  b = " + formula(law.b_of_clearance) + "\n";
   text += "paper (Duarte, Tenreiro Machado 2009, eq. 8):\n  a = " + short_number(published.a_coefficient) + " Delta^" +
           short_number(published.a_exponent) + ",  b = " + short_number(published.b_coefficient) + " Delta^" +
           short_number(published.b_exponent) + "\n";

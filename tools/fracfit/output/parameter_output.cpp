@@ -33,18 +33,24 @@ std::string interval(double lower, double upper) {
 }
 
 std::string estimate_table(const std::string& title, const std::vector<frac::ParameterEstimate>& estimates,
-                           const ParameterUnits& units) {
+                           const ParameterUnits& units, bool without_noise) {
   const bool has_units = std::any_of(estimates.begin(), estimates.end(),
                                      [&](const auto& each) { return !units.shown(each.name).empty(); });
   const auto with_unit = [&](std::vector<std::string> cells, const std::string& unit) {
     if (has_units) cells.insert(cells.end() - 1, unit);
     return cells;
   };
-  AlignedTable table(with_unit({title, "value", "standard error", "95 % interval", ""}, "unit"),
-                     AlignedTable::Last::remark);
+  AlignedTable table(
+      with_unit(without_noise ? std::vector<std::string>{title, "value", ""}
+                              : std::vector<std::string>{title, "value", "standard error", "95 % interval", ""},
+                "unit"),
+      AlignedTable::Last::remark);
   for (const auto& each : estimates) {
+    const std::string state = parameter_state(each, without_noise);
     const auto [value, standard_error, interval] = estimate_cells(each, !std::isnan(each.ci95_lower) && !each.fixed);
-    table.add(with_unit({each.name, value, standard_error, interval, parameter_state(each)}, units.shown(each.name)));
+    table.add(with_unit(without_noise ? std::vector<std::string>{each.name, short_number(each.value), state}
+                                      : std::vector<std::string>{each.name, value, standard_error, interval, state},
+                        units.shown(each.name)));
   }
   return table.text();
 }
@@ -111,10 +117,17 @@ std::string prior_table(const std::vector<frac::PriorEstimate>& priors) {
          "it.\n\n";
 }
 
-std::string derived_table(const std::vector<frac::DerivedEstimate>& derived) {
+std::string derived_table(const std::vector<frac::DerivedEstimate>& derived, bool without_noise) {
   if (derived.empty()) return {};
-  AlignedTable table({"derived", "value", "standard error", "95 % interval", "formula"}, AlignedTable::Last::remark);
+  AlignedTable table(without_noise
+                         ? std::vector<std::string>{"derived", "value", "formula"}
+                         : std::vector<std::string>{"derived", "value", "standard error", "95 % interval", "formula"},
+                     AlignedTable::Last::remark);
   for (const auto& each : derived) {
+    if (without_noise) {
+      table.add({each.name, short_number(each.value), each.formula});
+      continue;
+    }
     const auto [value, standard_error, interval] = estimate_cells(each, !std::isnan(each.ci95_lower));
     table.add({each.name, value, standard_error, interval, each.formula});
   }

@@ -26,12 +26,12 @@ template <class Estimate>
 }
 /// "lower .. upper", likewise.
 [[nodiscard]] std::string interval(double lower, double upper);
-/// Why an estimate has no interval worth the name; empty where it has one.
+/// Why an estimate has no interval worth the name; empty where it has one, or where data without noise know of none.
 template <class Estimate>
-[[nodiscard]] std::string parameter_state(const Estimate& estimate) {
+[[nodiscard]] std::string parameter_state(const Estimate& estimate, bool without_noise = false) {
   if (estimate.fixed) return "fixed";
   if (estimate.at_bound) return "at its bound";
-  return estimate.identified ? "" : "not identified";
+  return estimate.identified || without_noise ? "" : "not identified";
 }
 
 /// Units of parameters as far as they follow from their formula and the unit of its value, see frac::parameter_units().
@@ -55,7 +55,7 @@ class ParameterUnits {
 /// @param title  of the column of their names
 [[nodiscard]] std::string estimate_table(const std::string& title,
                                          const std::vector<frac::ParameterEstimate>& estimates,
-                                         const ParameterUnits& units);
+                                         const ParameterUnits& units, bool without_noise);
 /// A line with the limits that someone has given, but for those of a coefficient that is positive or free of sign;
 /// empty where there are none.
 [[nodiscard]] std::string remark_on_limits(const std::vector<frac::ParameterEstimate>& estimates);
@@ -67,6 +67,6 @@ class ParameterUnits {
 [[nodiscard]] std::string prior_table(const std::vector<frac::PriorEstimate>& priors);
 
 /// One line each, below the name of the table; empty where there are none.
-[[nodiscard]] std::string derived_table(const std::vector<frac::DerivedEstimate>& derived);
+[[nodiscard]] std::string derived_table(const std::vector<frac::DerivedEstimate>& derived, bool without_noise);
 
 }  // namespace fracfit

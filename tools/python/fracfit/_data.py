@@ -170,7 +170,7 @@ class FrequencyResponse(_Samples):
     @property
     def is_computed(self) -> bool:
         """The metadata name a computation that made the values: they have no noise."""
-        return "computed_by" in self.metadata or self.metadata.get("command", "").startswith("fracfit simulate ")
+        return "computed_by" in self.metadata or self.metadata.get("command", "").startswith(("fracfit simulate ", "fracfit map ", "fracfit evaluate "))
 
     @property
     def sigma_is_measured(self) -> bool:

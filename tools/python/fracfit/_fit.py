@@ -393,8 +393,10 @@ class FitResult(Table, FitResultNumbers):
         return self.summary() + f"\nleft out: {name} = {at} {self._data.frequency_unit}"
 
     def _repr_html_(self) -> str:
-        head = ["parameter", "unit", "value", "standard error", "from", "to (95 %)", ""]
+        head: list[str] = ["parameter", "unit", "value", "standard error", "from", "to (95 %)", ""]
         rows = [*self._rows(), *((d["name"], "", d["value"], d["standard_error"], d["ci95_lower"], d["ci95_upper"], d["formula"]) for d in self.derived)]
+        if self.without_noise:
+            head, rows = head[:3], [row[:3] for row in rows]
         headline = f"{self.formula}: rms {short(self.rms)} over {self.residual_count} residuals"
         return html_table(head, rows, headline) + f"<p>{escaped(self.message)}</p>"
 
@@ -602,6 +604,7 @@ def fit(
         "trend": trend,
         "earlier_input": earlier_input,
         "noise": noise,
+        "without_noise": without_noise([data]),
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
     _refuse_idle(data, options, fit)
@@ -622,6 +625,11 @@ def weight_of(given: str | None, data: Sequence[FrequencyResponse | TimeSeries],
     responses = [each for each in data if isinstance(each, FrequencyResponse)]
     measured = bool(responses) and all(each.sigma_is_measured for each in responses)
     return text(given, "weight") if given is not None else "given" if measured else otherwise
+
+
+def without_noise(data: Sequence[FrequencyResponse | TimeSeries]) -> bool:
+    """Whether all are responses that were computed."""
+    return all(isinstance(each, FrequencyResponse) and each.is_computed for each in data)
 
 
 def _fitted_part(data: Any, component: Any) -> tuple[Any, Any]:
@@ -771,6 +779,7 @@ def batch(
         curves = [_fitted_part(curve, component)[0] for curve in curves]
         request["component"] = "both" if component in ("impedance", "admittance") else component
     request["weight"] = weight_of(request.get("weight"), curves)
+    request["without_noise"] = without_noise(curves)
     request.update(_known(starts, *(options.get(key) for key in beforehand)))
     found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
     errors = {i: each for i, each in enumerate(found) if isinstance(each, str)}
@@ -852,9 +861,12 @@ class Identification(_Record, IdentificationNumbers, Table):
     def __repr__(self) -> str:
         if not self.without_noise:
             return self.summary
-        return self.summary + "\nThese data carry no noise: how many parameters buy which error is said by `economy`."
+        return self.summary + " `economy` says it."
 
     def _repr_html_(self) -> str:
+        if self.without_noise:
+            plain = [(each["name"], each["model_class"], each["fit"].rms) for each in self.ranking]
+            return html_table(["model", "class", "rms"], plain, repr(self))
         rows = []
         for i, each in enumerate(self.ranking):
             remark = "chosen" if i == self.chosen else "" if each["adequate"] else "misses the data"
@@ -930,6 +942,7 @@ def identify(
         "trend": trend,
         "earlier_input": earlier_input,
         "noise": noise,
+        "without_noise": without_noise([data]),
     }
     _refuse_idle(data, options, identify)
     options |= {"bounds": _ranges(_by_name(_one_of(bounds, bound, "bounds", "bound"), "bounds", "NAME=LOW:HIGH") or {})}
@@ -948,7 +961,6 @@ def identify(
         each["fit"] = FitResult(each["fit"], data, options)
     if isinstance(data, FrequencyResponse):
         kept = np.delete(np.arange(data.size), found["left_out"])
-        found["without_noise"] = found["without_noise"] or data.is_computed
         found["_of"] = {
             "data": data[kept],
             "curves": {name: value[kept] for name, value in given.items()},

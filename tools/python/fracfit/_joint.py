@@ -10,7 +10,7 @@ import numpy as np
 from ._arrays import count, flag, mapping, number, real_array, seed_number, text, texts
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of
-from ._fit import Known, Limits, Priors, _described, _fitted_part, _fitting, _known, _one_of, _structure, weight_of
+from ._fit import Known, Limits, Priors, _described, _fitted_part, _fitting, _known, _one_of, _structure, weight_of, without_noise
 from ._model import Model, _Record, realisation_of
 from ._numbers import JointFitNumbers, JumpLawNumbers
 from ._tables import Table
@@ -113,9 +113,10 @@ class JointFit(_Record, JointFitNumbers, Table):
     def _repr_html_(self) -> str:
         columns = self._columns()
         rows = [tuple(column[i] for column in columns.values()) for i in range(len(self.curves))]
+        shown = 2 if self.without_noise else 5
         shared = html_table(
-            ["shared", "value", "standard error", "from", "to (95 %)"],
-            [(p["name"], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"]) for p in self.shared],
+            ["shared", "value", "standard error", "from", "to (95 %)"][:shown],
+            [(p["name"], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"])[:shown] for p in self.shared],
             f"{self.model}, {len(self.curves)} curves",
         )
         return shared + html_table(list(columns), [[float(cell) if isinstance(cell, np.floating) else cell for cell in row] for row in rows])
@@ -236,6 +237,7 @@ def joint_fit(
     options = {
         "component": component,
         "weight": weight_of(weight, curves),
+        "without_noise": without_noise(curves),
         "loss": loss,
         "realisation": realisation_of(realisation),
         "offset": None if offset is None else number(offset, "offset"),

@@ -46,6 +46,7 @@ class FitResultNumbers:
     loss_scale: float
     loss_unit: float
     effective_parameters: float
+    without_noise: bool
     outliers: list[int]
     earlier_input: list[float]
     priors: list[dict[str, Any]]
@@ -84,6 +85,7 @@ class JointFitNumbers:
     message: str
     seconds: float
     loss_cost: float
+    without_noise: bool
     effective_parameters: float
 
 

@@ -67,6 +67,7 @@ frac::FitOptions fit_options(const py::dict& given) {
   take(options.loss_scale, given, "loss_scale");
   take(options.seed, given, "seed");
   take(options.global_start, given, "global_start");
+  take(options.without_noise, given, "without_noise");
   take(options.assumptions.stable, given, "stable");
   take(options.assumptions.dead_time, given, "dead_time");
   take(options.assumptions.passive, given, "passive");

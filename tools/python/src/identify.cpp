@@ -102,7 +102,6 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   std::vector<std::size_t> left_out;
   std::vector<std::string> notes = settle_component(options, all);
   for (auto& note : note_of_sign(all, options)) notes.push_back(std::move(note));
-  bool met = false;
   const auto folds = folds_of(given);
   frac::CandidatePredictions predictions;
   const auto result = result_of([&](frac::Progress&) {
@@ -112,7 +111,6 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
     if (!points.taken_back().empty()) notes.push_back(points.taken_back());
     auto weighed = options;
     if (options.weight == frac::Weight::learned) weighed.noise_floor = ranking.noise_floor;
-    met = frac::met_to_rounding(points.kept(), weighed, ranking);
     if (folds) predictions = frac::cross_validations(points.kept(), weighed, ranking, *folds, threads);
     for (auto& each : ranking.ranking) points.restore_indices(each.fit.outliers);
     left_out = points.left_out();
@@ -122,7 +120,7 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   dict["left_out"] = left_out;
   dict["said"] = notes;
   dict["component"] = std::string(frac::to_string(options.component));
-  dict["without_noise"] = met;
+  dict["without_noise"] = result.without_noise();
   add_predictions(dict, predictions);
   return dict;
 }

@@ -127,6 +127,8 @@ void describe(Result& result, const Visit& visit) {
   visit("loss_scale", "residual", "residual at which the loss turns from quadratic to robust", result.loss_scale);
   visit("loss_unit", "residual^2", "rise of loss_cost by a parameter without meaning", result.loss_unit);
   visit("effective_parameters", "1", "free parameters but for what priors tell", result.effective_parameters);
+  visit("without_noise", "", "whether the data carry no noise, where intervals and criteria mean nothing",
+        result.without_noise);
   visit("outliers", "", "points whose residual exceeds five robust standard deviations", result.outliers);
   visit("earlier_input", "", "estimated steps of the input before the record", result.earlier_input);
   visit("covariance", "", "covariance of the parameters, row by row", result.covariance);
@@ -161,6 +163,8 @@ void describe(Result& result, const Visit& visit) {
   visit("message", "", "what became of the search", result.message);
   visit("seconds", "s", "time that the fit took", result.seconds);
   visit("loss_cost", "1", "sum of the robust loss, what was made least", result.loss_cost);
+  visit("without_noise", "", "whether the data carry no noise, where intervals and chances mean nothing",
+        result.without_noise);
   visit("effective_parameters", "1", "free parameters but for what priors tell", result.effective_parameters);
 }
 

@@ -26,7 +26,9 @@ enum class EconomyClass {
   integer_powers_of_omega,
   /// s^k b(s)/a(s), k whole from -4 to 4, no root of a(s) in the right half plane.
   rational,
-  /// The same in s^q with one order q from 0.1 to 1.5.
+  /// z^k b(z)/a(z) of z = s^q with one order q from 0.1 to 1.5, no root of a(z) in the right half of the z plane: for q
+  /// <= 1 all poles are stable, and of the stable ones those with |arg z| between q pi/2 and pi/2 are left out; for q >
+  /// 1 poles with |arg z| below q pi/2 are unstable and may be among them.
   commensurate,
   /// Sums of a constant, L s, 1/s, powers, arcs and modes, see TermFamily.
   terms,
@@ -92,11 +94,6 @@ struct Economy {
 
 /// Relative errors the verdict asks for: 1 %, 0.1 % and 0.01 %.
 [[nodiscard]] std::span<const double> economy_errors();
-
-/// Whether a model of the ranking that has fewer parameters than there are residuals meets the data to 1e-9, so that
-/// they cannot hold noise: what is measured never is as good.
-[[nodiscard]] bool met_to_rounding(const FrequencyResponseData& data, const FitOptions& options,
-                                   const IdentificationResult& result);
 
 /// @throws std::invalid_argument  a component that is neither imaginary, real nor both; a component that is 0 at a
 ///     frequency, which has no relative error there; a single value of a single component, which one parameter meets;

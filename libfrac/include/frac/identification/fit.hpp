@@ -101,8 +101,9 @@ struct FitOptions {
   Realisation realisation = ExactRealisation{};
   std::vector<ParameterConstraint> constraints;
   Assumptions assumptions;
-  std::uint64_t seed = 1;    // of the multi-start; same seed, same result
-  bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
+  bool without_noise = false;  // the data are computed, see FitResult::without_noise
+  std::uint64_t seed = 1;      // of the multi-start; same seed, same result
+  bool global_start = true;    // false: one local solve from the given starts; every free parameter then needs one
 };
 
 /// What front ends fit where `wanted` was asked for: the imaginary part instead of both, where the real part is 0 at
@@ -150,8 +151,8 @@ struct ParameterEstimate {
 
 /// What would help against something that a message says.
 enum class Remedy {
-  give_limits,            // for parameters that ended at a limit nobody has given
-  estimate_trend,         // TimeFitOptions::trend
+  give_limits,             // for parameters that ended at a limit nobody has given
+  estimate_trend,          // TimeFitOptions::trend
   estimate_earlier_input,  // TimeFitOptions::earlier_input
   hold_zero_order,         // TimeResponseData::hold()
   hold_first_order,
@@ -185,6 +186,10 @@ enum class FitTermination {
 [[nodiscard]] std::string_view to_string(FitTermination termination);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] FitTermination fit_termination_from_string(std::string_view text);
+
+/// What is said in place of intervals and odds of data without noise.
+inline constexpr std::string_view no_noise_sentence =
+    "These data carry no noise: what counts is how many parameters buy which error.";
 
 /// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss and without
 /// priors.
@@ -243,6 +248,10 @@ struct FitResult {
   double smooth_error = 0;
   /// Parameters that the residuals tell: all free ones but for the shares that priors tell.
   double effective_parameters = 0;
+  /// The data carry no noise: the options say so, or fewer parameters than residuals meet them to 1e-9, which nothing
+  /// measured allows.  What is left is the error of the model, so that intervals, criteria of evidence and
+  /// `identified` say nothing of chance.
+  bool without_noise = false;
   std::vector<PriorEstimate> priors = {};  // in the order of the parameters
   std::vector<Advice> advice = {};         // what would help against what the message says
 };

@@ -139,8 +139,10 @@ struct DistributionRival {
 struct IdentificationResult {
   /// The fit of the chosen candidate converged.
   [[nodiscard]] bool usable() const { return ranking.at(chosen).fit.usable(); }
-  /// The verdict and the chosen fit.
+  /// The verdict, unless the data carry no noise, and the chosen fit.
   [[nodiscard]] std::string summary() const;
+  /// As one of the fits says: economy() answers then, and neither odds nor intervals mean anything.
+  [[nodiscard]] bool without_noise() const;
 
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason

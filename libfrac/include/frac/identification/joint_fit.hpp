@@ -100,6 +100,7 @@ struct JointFitResult {
   std::vector<PriorEstimate> priors = {};  // of shared parameters and of those of the laws
   /// Parameters that the residuals tell: all free ones but for the shares that priors tell.
   double effective_parameters = 0;
+  bool without_noise = false;  // of all curves, see FitResult::without_noise
 };
 
 /// Fits one structure to several curves with shared parameters and parameters of each curve.

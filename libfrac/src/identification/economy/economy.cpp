@@ -296,14 +296,6 @@ const EconomyPoint* EconomyCurve::within(double error) const {
   return found == points.end() ? nullptr : &*found;
 }
 
-bool met_to_rounding(const FrequencyResponseData& data, const FitOptions& options, const IdentificationResult& result) {
-  constexpr double rounding = 1e-9;
-  const double unit = detail::residual_rule(data, options).unit;
-  return std::any_of(result.ranking.begin(), result.ranking.end(), [&](const RankedFit& ranked) {
-    return ranked.fit.free_parameters < ranked.fit.residuals && ranked.fit.rms <= rounding * unit;
-  });
-}
-
 Economy economy(const FrequencyResponseData& data, const std::vector<FixedCurve>& curves, const EconomyOptions& options,
                 int threads) {
   const EconomyOptions used = checked(data, options);

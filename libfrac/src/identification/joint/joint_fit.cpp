@@ -46,6 +46,9 @@ JointFitResult fitted(const std::vector<JointCurve>& curves, const Structure& ma
   detail::JointSearch search(curves, structure, options, known, laws);
   JointFitResult result{};
   result.model = structure.formula();
+  result.without_noise =
+      given.fit.without_noise ||
+      std::all_of(known.alone.begin(), known.alone.end(), [](const auto& fit) { return fit && fit->without_noise; });
   search.run(options, known, result);
   if (!std::isfinite(search.point.cost)) {
     detail::describe_failure(search.point.cost, result);

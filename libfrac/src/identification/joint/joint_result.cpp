@@ -171,7 +171,7 @@ std::string message_of(const JointFitResult& result, double noise_correlation) {
                      " joint searches ended at the best cost.";
   char more[240];
   constexpr double doubtful = 0.01, noticeable = 0.1;
-  if (result.sharing_p_value < doubtful) {
+  if (!result.without_noise && result.sharing_p_value < doubtful) {
     std::snprintf(more, sizeof more,
                   " The curves ask for separate values of what they are to share: fitted alone they leave so much less "
                   "that chance explains it with probability %.1e.",
@@ -182,7 +182,7 @@ std::string message_of(const JointFitResult& result, double noise_correlation) {
   for (const JointCurveResult& curve : result.curves)
     priors.insert(priors.end(), curve.priors.begin(), curve.priors.end());
   text += remark_on_priors(priors);
-  if (noise_correlation > noticeable) {
+  if (!result.without_noise && noise_correlation > noticeable) {
     std::snprintf(more, sizeof more,
                   " Neighbouring residuals go together (correlation %.2f on average), which the intervals allow for.",
                   noise_correlation);
@@ -245,17 +245,11 @@ void describe(const JointSolution& solution, std::vector<CurveResiduals>& curves
 }  // namespace detail
 
 std::string JointFitResult::summary() const {
-  using detail::short_text;
   std::string text = model + ", " + detail::counted(curves.size(), "curve") + "\n";
   for (const ParameterEstimate& each : shared) {
-    text += "  " + each.name + " = " + short_text(each.value);
-    if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper))
-      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
-    if (each.at_bound) text += ", at its bound";
-    if (!each.identified) text += ", not identified";
-    text += "\n";
+    text += detail::summary_line(each, without_noise);
   }
-  return text + message;
+  return text + message + (without_noise ? "\n" + std::string(no_noise_sentence) : "");
 }
 
 }  // namespace frac

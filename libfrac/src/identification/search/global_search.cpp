@@ -75,7 +75,7 @@ class Search {
       if (settled() && (only_start_ || (!walk_to_lower_cost() && settled()))) break;
     }
     finish_promising();
-    if (std::isfinite(result_.best.cost) && !exact() && !only_start_) cross_signs();
+    if (std::isfinite(result_.best.cost) && !exact() && !only_start_) cross_limits();
     if (at_best() == 1 && !exact() && !only_start_) {
       const std::size_t independent = independent_;
       scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
@@ -216,23 +216,52 @@ class Search {
     return !same(before, result_.best.cost);
   }
 
-  /// Solves from the best point with one parameter of either sign across its barrier, which is 0, or infinity for the
-  /// coefficient 1/M; the smaller value is where a solve goes on that a barrier at infinity stopped.
-  void cross_signs() {
+  /// Solves from the best point with one parameter at its other limit: of either sign, across its barrier, which is 0,
+  /// or infinity for the coefficient 1/M, where the smaller value is where a solve goes on that a barrier at infinity
+  /// stopped; or beyond the band, where it acts like 0 or infinity, as far beyond the other end of the band.
+  void cross_limits() {
     const std::size_t independent = independent_;
     const auto& free = residuals_.map().free();
+    const std::vector<double>& best = result_.best.theta;
     std::vector<std::vector<double>> starts;
     for (std::size_t k = 0; k < free.size(); ++k) {
+      if (is_beyond_band(k)) starts.push_back(at_other_end(k));
       if (!free[k].either_sign || free[k].logarithmic) continue;
       for (const double times : {-1.0, -1e-3}) {
-        std::vector<double> theta = result_.best.theta;
-        theta[k] = std::clamp(times * theta[k], free[k].lower, free[k].upper);
-        if (std::isfinite(scouting_.cost(theta))) starts.push_back(std::move(theta));
+        starts.push_back(best);
+        starts.back()[k] = std::clamp(times * best[k], free[k].lower, free[k].upper);
       }
     }
+    std::erase_if(starts, [&](const auto& theta) { return !std::isfinite(scouting_.cost(theta)); });
     scout_from(starts);
     finish_promising();
     independent_ = independent;
+  }
+
+  /// A coefficient of which the corner, as of T in T s + 1, is at no frequency of the band.
+  [[nodiscard]] bool is_beyond_band(std::size_t k) const {
+    const ParameterMap& map = residuals_.map();
+    const ParameterMap::Free& entry = map.free()[k];
+    if (entry.role != ParameterRole::coefficient || !entry.logarithmic || entry.above) return false;
+    const DataScale& scale = map.scale();
+    const double corner = std::abs(map.frequency_exponent(k, map.to_user(result_.best.theta))) *
+                          std::log(scale.omega_upper / scale.omega);
+    return corner > 0 && std::abs(result_.best.theta[k]) > corner;
+  }
+
+  /// With the magnitude of the data, and their sign where the gains may have either.
+  [[nodiscard]] std::vector<double> at_other_end(std::size_t k) const {
+    const auto& free = residuals_.map().free();
+    std::vector<double> theta = result_.best.theta;
+    theta[k] = std::clamp(-theta[k], free[k].lower, free[k].upper);
+    std::vector<double> opposite = theta;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      if (free[i].either_sign && !free[i].logarithmic && free[i].value_exponent != 0)
+        opposite[i] = std::clamp(-theta[i], free[i].lower, free[i].upper);
+    }
+    match_magnitude(scouting_, theta);
+    match_magnitude(scouting_, opposite);
+    return scouting_.cost(opposite) < scouting_.cost(theta) ? opposite : theta;
   }
 
   /// Solves from points some e-folds away from the best one along its flat directions, until none leads lower.

@@ -77,19 +77,6 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
   return theta;
 }
 
-/// The draw with the whole model multiplied by the factor that brings it nearest the data: by homogeneity, each
-/// parameter times the factor to the power of its dimension.
-void match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
-  const double log_factor = std::log(residuals.best_factor(theta));
-  if (log_factor == 0) return;
-  const auto& free = residuals.map().free();
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    const double shift = free[k].value_exponent * log_factor;
-    theta[k] = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
-    theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
-  }
-}
-
 /// The draw with the start values the user gave in their places.
 void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
   std::vector<double> parameters = map.to_user(theta);
@@ -101,6 +88,17 @@ void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
 }
 
 }  // namespace
+
+void match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
+  const double log_factor = std::log(residuals.best_factor(theta));
+  if (log_factor == 0) return;
+  const auto& free = residuals.map().free();
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const double shift = free[k].value_exponent * log_factor;
+    theta[k] = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
+    theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
+  }
+}
 
 double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step) {
   constexpr double vanished = -20;

@@ -27,6 +27,10 @@ namespace frac::detail {
                                                                   const std::vector<double>& suggested_orders,
                                                                   std::mt19937_64& generator);
 
+/// Multiplies the whole model by the factor that brings it nearest the data: by homogeneity, each parameter times the
+/// factor to the power of its dimension.
+void match_magnitude(const Residuals& residuals, std::vector<double>& theta);
+
 /// A coefficient `step` e-folds away.  One that has fallen so far that its part of the model has vanished, from where
 /// no step leads back, is put that far from the size natural to the data instead.
 [[nodiscard]] double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step);

@@ -89,7 +89,7 @@ void remark_on_limits(FitResult& result, const ParameterMap& map, std::span<cons
 
 /// What the correlation of neighbouring residuals has done to the intervals, where there is any to speak of.
 std::string remark_on_correlation(const FitResult& result, const Confidence& found, double cost, double rounding_cost) {
-  if (!(found.noise.chance() > 0.5) || !(cost > rounding_cost)) return {};
+  if (result.without_noise || !(found.noise.chance() > 0.5) || !(cost > rounding_cost)) return {};
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (const ParameterEstimate& estimate : result.parameters) {
     if (!std::isfinite(estimate.ci95_lower)) continue;
@@ -221,6 +221,9 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
   }
   result.noise_correlation = found.noise.correlation();
   refuse_inseparable_parts(result, structure);
+  constexpr double met = 1e-9;
+  result.without_noise |= result.free_parameters < result.residuals &&
+                          residuals.cost(theta) <= met * met * static_cast<double>(result.residuals);
   result.condition = found.condition;
   result.effective_parameters = found.effective() + static_cast<double>(residuals.eliminated());
   describe_priors(result, residuals);

@@ -36,4 +36,7 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
 void describe_residuals(FitResult& result, const Residuals& residuals, const LocalOptions& options,
                         const Confidence& found, std::span<const double> theta, double unit);
 
+/// "  K = 2, 95 % within 1.9 .. 2.1", a line of a summary.
+[[nodiscard]] std::string summary_line(const ParameterEstimate& estimate, bool without_noise);
+
 }  // namespace frac::detail
