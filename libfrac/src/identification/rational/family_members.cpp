@@ -96,8 +96,8 @@ std::string share_of_data(const RationalProblem& problem, const RationalFit& fit
 }
 
 /// The family with stable poles, unless nobody assumes them or the data speak against them.  Where the free family is
-/// unstable, the stable member is taken that the data speak against least: the one by which the family would end has
-/// parameters that follow a smooth error of the measurement, which are no reason against it.
+/// unstable, its evidence is that against the stable member which the data speak against least: the chosen one may have
+/// parameters that follow a smooth error of the measurement, which are no reason against stability.
 FamilyMembers rational_members(const FrequencyResponseData& data, const ResidualRule& rule,
                                const RationalFamily& family, const FitOptions& options, RatioGrowths& ratios) {
   const RationalProblem anywhere(data, rule);
@@ -123,8 +123,8 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   std::vector<double> against;
   for (const RationalFit& fit : held.fits) against.push_back(evidence_against(leftover(fit), closest, left.rows()));
   const auto least = std::min_element(against.begin(), against.end());
-  held.members.chosen = static_cast<std::size_t>(least - against.begin());
-  const std::string closer = share_of_data(left, free.chosen()), of_stable = share_of_data(left, held.chosen());
+  const RationalFit& defended = held.fits[static_cast<std::size_t>(least - against.begin())];
+  const std::string closer = share_of_data(left, free.chosen()), of_stable = share_of_data(left, defended);
   const bool refuted = *least > price_of_assumption;
   held.members.stands_in = true;
   FamilyMembers taken = std::move(refuted ? free.members : held.members);
