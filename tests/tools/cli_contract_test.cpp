@@ -709,6 +709,11 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--over has no meaning with --contact-stiffness");
   expect(refusal({"basins", "--omega", "1", "--friction1", "1", "--restitution", "0.5"}),
          "--friction1 has no meaning with --restitution");
+  expect(refusal({"tune", "--model", "1/(s + 1)", "--crossover", "1", "--contact-stiffness", "1", "--contact-damping",
+                  "1"}),
+         "--contact-stiffness has no meaning without --clearance");
+  expect(refusal({"tune", "--clearance", "0.1", "--crossover", "1"}),
+         "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
   expect(refusal({"orbits", "--contact-stiffness", "1"}), "orbits does not take --contact-stiffness");
 }
 
