@@ -406,7 +406,7 @@ class Tune : public Command {
   frac::LoopSpecification asked_;
   frac::TuningOptions tuning_;
   std::optional<double> horizon_, clearance_;
-  double mass1_ = 1, mass2_ = 1, restitution_ = 0;
+  double mass1_ = 1, mass2_ = 1, restitution_ = NAN;
   std::optional<frac::FractionalTransferFunction> load_, drive_;
   CompliantOptions contact_;
   backlash::Output body_ = backlash::Output::x1;
