@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/compliant_integration.hpp"
 #include "support/simulated_swing.hpp"
 
 namespace {
@@ -173,6 +174,80 @@ TEST(TuneWithBacklash, SaysWhichConstraintsAreActive) {
   ASSERT_TRUE(free.usable()) << free.message;
   EXPECT_EQ(free.persistent.swing, 0) << free.message;
   EXPECT_FALSE(constraint(free, "no limit cycle").active);
+}
+
+/// Half of peak to peak of the measured body in the last tenth of an integration in small steps.
+double integrated_swing(const compliant_test::Machine& machine, double speed, double duration, double every) {
+  compliant_test::Integration motion(machine, {0, 0, 0, speed});
+  const bool is_drive = machine.control->follows_drive;
+  double low = INFINITY, high = -INFINITY;
+  for (double time = 0.9 * duration; time < duration; time += every) {
+    motion.advance(time);
+    const auto& state = motion.state();
+    const auto at =
+        static_cast<double>(state[is_drive ? compliant_test::Integration::x2 : compliant_test::Integration::x1]);
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return (high - low) / 2;
+}
+
+TEST(TuneWithBacklash, OfContactsThatTakeTimeWhatPersistsIsWhatAnIntegrationShows) {
+  struct Case {
+    double friction1, friction2, frequency, restitution;
+    backlash::Output measured;
+  };
+  int with = 0, without = 0;
+  for (const Case& c : {Case{0, 0, 60, 0.5, backlash::Output::x1}, Case{0.001, 0, 40, 0.3, backlash::Output::x1},
+                        Case{0.02, 0.01, 60, 0.5, backlash::Output::x2}}) {
+    compliant_test::Machine machine;
+    machine.clearance = 0.01;
+    const auto contact = backlash::CompliantContact::from_frequency(
+        c.frequency, backlash::damping_ratio_of_restitution(c.restitution), machine.mass1, machine.mass2);
+    machine.stiffness = contact.stiffness();
+    machine.damping = contact.damping();
+    machine.coulomb1 = c.friction1;
+    machine.coulomb2 = c.friction2;
+    frac::TuningOptions options;
+    options.structure = frac::ControllerStructure::pd;
+    options.mu = {1, 1};
+    const auto result =
+        backlash::tune_with_backlash({machine.bodies().hard(), c.measured, machine.bodies()}, demands(2, 50), options);
+    ASSERT_TRUE(result.usable()) << result.message;
+    machine.control = {result.linear.gains.kp, 0, result.linear.gains.kd};
+    machine.control->follows_drive = c.measured == backlash::Output::x2;
+    double shown = 0;
+    for (const double speed : {0.002, 0.2}) shown = std::max(shown, integrated_swing(machine, speed, 50, 0.004));
+    const double swing = result.persistent.swing;
+    (swing > 0 ? with : without) += 1;
+    // Samples miss the peak of a motion of 10 rad/s by (0.04)^2/8 of it; transients of a hundred contacts leave less.
+    if (swing > 0)
+      EXPECT_NEAR(shown, swing, 1e-3 * swing) << result.message;
+    else
+      EXPECT_LT(shown, 0.01 * machine.clearance) << result.message;
+  }
+  EXPECT_GE(with, 1);
+  EXPECT_GE(without, 1);
+}
+
+// As contacts get faster at one restitution the swing tends in first order of 1/wc to that of the closed form above.
+TEST(TuneWithBacklash, OfContactsThatTakeTimeTendsToThatOfARestitution) {
+  frac::TuningOptions options;
+  options.structure = frac::ControllerStructure::pd;
+  options.mu = {1, 1};
+  const auto swing_at = [&](double frequency) {
+    const auto contact =
+        backlash::CompliantContact::from_frequency(frequency, backlash::damping_ratio_of_restitution(0.4), 1.2, 0.7);
+    const backlash::CompliantBodies bodies(backlash::free_mass(1.2), backlash::free_mass(0.7), 0.02, contact);
+    return backlash::tune_with_backlash({bodies.hard(), backlash::Output::x1, bodies}, demands(3, 50), options)
+        .persistent.swing;
+  };
+  const double hard =
+      backlash::tune_with_backlash({backlash::TwoMassSystem(1.2, 0.7, 0.02, 0.4)}, demands(3, 50), options)
+          .persistent.swing;
+  const double soft = std::abs(swing_at(300) - hard) / hard, stiff = std::abs(swing_at(600) - hard) / hard;
+  EXPECT_GT(soft, 1e-4);
+  EXPECT_NEAR(soft / stiff, 2, 10 * soft);
 }
 
 TEST(TuneWithBacklash, NeedsACrossover) {

@@ -291,6 +291,33 @@ def test_controllers_with_backlash():
     assert [each["name"] for each in ours.constraints] == [each["name"] for each in theirs["constraints"]]
 
 
+def test_loops_of_contacts_that_take_time():
+    contact = {"contact_stiffness": 450.0, "contact_damping": 5.4, "friction1": 0.02, "friction2": 0.01}
+    words = [f"--{name.replace('_', '-')}={value}" for name, value in contact.items()]
+    theirs = command_line.columns_of("loop", "--controller", "1 + 0.3 s", *words, "--velocity2", 1, "--duration", 10, "--every", 0.5)
+    ours = fracfit.loop("1 + 0.3 s", **contact, velocity2=1, duration=10, every=0.5)._columns()
+    for name in ("x1_m", "v2_m_s", "force_n", "contact_force_n"):
+        same(ours[name], theirs[name])
+    assert list(ours["event"]) == list(theirs["event"]) and list(ours["contact"]) == list(theirs["contact"])
+    theirs = command_line.json_of("limit-cycles", "--controller", "1 + 0.3 s", *words)
+    found = fracfit.limit_cycles("1 + 0.3 s", **contact)
+    same([each["omega"] for each in found.cycles], [each["omega"] for each in theirs["cycles"]])
+    assert [each["stable"] for each in found.cycles] == [each["stable"] for each in theirs["cycles"]]
+    assert found.rests == pytest.approx((-0.03, 0.03))  # (F1 + F2)/C(0) of free masses
+    theirs = command_line.columns_of("basins", *words, "--omega", 1.35, "--position", "0.2,0.8", "--velocity=-1,0,1")
+    starts = fracfit.basins(1.35, **contact, position=[0.2, 0.8], velocity=[-1, 0, 1])
+    assert list(starts.attractor.ravel()) == [int(each) for each in theirs["attractor"]]
+    asked = ["--clearance", 0.01, "--crossover", 2, "--structure", "pd", "--mu", 1, "--body", "x2"]
+    theirs = command_line.json_of("tune", *asked, *words, "--phase-margin", 50)
+    tuned = fracfit.tune(clearance=0.01, crossover=2, structure="pd", mu=1, body="x2", **contact, phase_margin=math.radians(50))
+    np.testing.assert_allclose(tuned.motion["swing"], theirs["backlash"]["swing_m"], rtol=1e-6)  # degrees round otherwise
+    for wrong in ({"sample_time": 0.01}, {"whole_memory": True}):
+        with pytest.raises(ValueError, match="has no meaning with contact_stiffness"):
+            fracfit.loop("1 + s", **contact, **wrong)
+    with pytest.raises(ValueError, match="band has no meaning with contact_stiffness"):
+        fracfit.limit_cycles("1 + s", **contact, band=(1, 2))
+
+
 def body(text):
     """Code without what is said of its origin."""
     # A guard is made from all of it.
@@ -328,7 +355,7 @@ def test_exports(tmp_path):
     for wrong, sentence in (
         ({"source": "1/(s^0.5 + 1)"}, "band has no value"),
         ({}, "source has no value"),
-        ({"clearance": 0.1}, "restitution has no value"),
+        ({"clearance": 0.1}, "give either restitution"),
         ({"clearance": 0.1, "restitution": 0.5, "band": (1, 2)}, "band has no meaning"),
         ({"source": pid, "band": (1, 2)}, "band has no meaning"),
     ):

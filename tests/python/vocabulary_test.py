@@ -48,6 +48,7 @@ RENAMED = {
 }
 # What has a place of its own in Python.
 ELSEWHERE = {
+    "basins": PAIR,
     "controller": {"model": "Model.realise", "sample-count": "FractionalPid", "name": "FractionalPid.c_header", "precision": "FractionalPid.c_header"},
     "drt": {"fit": "the data, which may be a FitResult"},
     "export arduino": CONTROLLER,
@@ -59,18 +60,18 @@ ELSEWHERE = {
     "identify-scene": {"compare": "identify"},
     "joint-fit": {**REALISATION, **RECORD, **QUANTITY, "master": "JointFit.master_curve"},
     "jump-law": PAIR,
-    "limit-cycles": {"over": "a loop over calls"},
-    "loop": {"setpoint-file": "setpoint, which may be arrays"},
+    "limit-cycles": {**PAIR, "over": "a loop over calls"},
+    "loop": {**PAIR, "setpoint-file": "setpoint, which may be arrays"},
     "map": {**PAIR, **QUANTITY},
     "multisine": {"name": "a name for the exported C text"},
     "realise": {"model": "Model", "form": "the modal one; scipy.signal has others"},
     "respond": {"model": "Model", "feedback": "Model.feedback", "omega": "Model.sine"},
     "simulate": {**PAIR, **QUANTITY, "motion": "static_describing_function", "diagnostics": "attributes of the curve"},
+    "tune": PAIR,
     "validate": {"all-points": "all are judged"},
 }
 # What Python has no word for yet.
-OF_MATERIAL = {"contact-stiffness", "contact-damping", "contact-frequency", "contact-ratio", "contact-restitution", "friction1", "friction2"}
-MISSING = {"limit-cycles": OF_MATERIAL, "loop": OF_MATERIAL}
+MISSING: dict[str, set[str]] = {}
 
 
 def options_of(name):

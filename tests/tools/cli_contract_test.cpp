@@ -707,8 +707,14 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   expect(refusal({"limit-cycles", "--controller", "1 + s", "--contact-stiffness", "100", "--contact-damping", "1",
                   "--over", "mass1=1:2:2"}),
          "--over has no meaning with --contact-stiffness");
-  for (const char* command : {"basins", "orbits"})
-    expect(refusal({command, "--contact-stiffness", "1"}), std::string(command) + " does not take --contact-stiffness");
+  expect(refusal({"basins", "--omega", "1", "--friction1", "1", "--restitution", "0.5"}),
+         "--friction1 has no meaning with --restitution");
+  expect(refusal({"tune", "--model", "1/(s + 1)", "--crossover", "1", "--contact-stiffness", "1", "--contact-damping",
+                  "1"}),
+         "--contact-stiffness has no meaning without --clearance");
+  expect(refusal({"tune", "--clearance", "0.1", "--crossover", "1"}),
+         "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
+  expect(refusal({"orbits", "--contact-stiffness", "1"}), "orbits does not take --contact-stiffness");
 }
 
 }  // namespace

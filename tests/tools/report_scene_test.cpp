@@ -84,6 +84,8 @@ TEST(ReadScene, NamesTheMemberThatIsWrong) {
       {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": [1, 2]})", "\"omega\" has 2 entries"},
       {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": "1:9"})", "omega"},
       {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5", "gap": 2})", "unknown member \"gap\""},
+      {R"({"clearance": 1, "contact_stiffness": 100, "force": 1, "omega": "1:9:5"})",
+       "\"contact_stiffness\" has no meaning in a report, whose contacts take no time"},
       {R"({"m1": [1, 2], "clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5"})", "\"m1\" is a list"},
       {R"([1, 2])", "expected an object"},
       {R"({"clearance": )", "scene.json:1:15: is not JSON: it ends too early"},

@@ -142,6 +142,8 @@ Scene read_scene(const std::filesystem::path& file) {
   static const std::vector<std::string> known = {"mass1",     "mass2",       "m1",    "m2",
                                                  "clearance", "restitution", "force", "omega"};
   for (const auto& [name, value] : json.items()) {
+    if (name.starts_with("contact") || name.starts_with("friction"))
+      fail(file, "\"" + name + "\" has no meaning in a report, whose contacts take no time; expected restitution");
     if (std::find(known.begin(), known.end(), name) == known.end())
       fail(file, "unknown member \"" + name + "\"; " + expected);
   }

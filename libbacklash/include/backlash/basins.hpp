@@ -28,10 +28,11 @@ struct BasinMap {
   std::vector<double> velocity;
   std::vector<Attractor> attractors;   // of many starts first
   std::vector<std::size_t> attractor;  // index into attractors, position slowest
+  bool has_friction = false;           // besides the loss of impacts
 
-  /// Whether impacts lose energy.  At restitution 1 they do not, and nothing attracts: the entries of `attractors` are
-  /// then motions that starts stay in, and other starts give others.
-  [[nodiscard]] bool attracts() const { return system.restitution() < 1; }
+  /// Whether energy is lost.  At restitution 1 without friction it is not, and nothing attracts: the entries of
+  /// `attractors` are then motions that starts stay in, and other starts give others.
+  [[nodiscard]] bool attracts() const { return system.restitution() < 1 || has_friction; }
   [[nodiscard]] const Attractor& at(std::size_t position_index, std::size_t velocity_index) const {
     return attractors.at(attractor.at(position_index * velocity.size() + velocity_index));
   }

@@ -134,7 +134,7 @@ CompliantReading read_orbit(const CompliantOrbit& orbit, const CompliantBodies& 
   const std::vector<std::complex<double>>& velocity = run.phasors();
   reading.value = velocity[0] / std::complex<double>(0, force.omega) / force.amplitude;
   const double fundamental = std::abs(velocity[0]);
-  reading.second_ratio = std::abs(velocity[1]) / 2 / fundamental;
+  reading.second = velocity[1] / std::complex<double>(0, 2 * force.omega) / force.amplitude;
   reading.third_ratio = std::abs(velocity[2]) / 3 / fundamental;
   return reading;
 }

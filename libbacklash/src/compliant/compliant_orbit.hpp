@@ -27,11 +27,12 @@ struct CompliantOrbit {
 
 /// What is read from an orbit.
 struct CompliantReading {
-  std::complex<double> value;        // phasor of the position over the force, m/N
-  bool is_symmetric;                 // of one period, whose halves mirror each other
-  double second_ratio, third_ratio;  // harmonics of the position over the fundamental
-  double work, loss;                 // J per orbit: of the force; what contacts and friction take
-  double moved;                      // J per orbit that the force gives and takes back
+  std::complex<double> value;   // phasor of the position over the force, m/N
+  bool is_symmetric;            // of one period, whose halves mirror each other
+  std::complex<double> second;  // harmonic of the position over the force, m/N
+  double third_ratio;           // of the position over the fundamental
+  double work, loss;            // J per orbit: of the force; what contacts and friction take
+  double moved;                 // J per orbit that the force gives and takes back
 };
 /// @param output  of which body
 [[nodiscard]] CompliantReading read_orbit(const CompliantOrbit& orbit, const CompliantBodies& bodies,

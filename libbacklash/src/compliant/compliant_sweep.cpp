@@ -12,14 +12,12 @@
 
 #include "backlash/compliant/compliant_bodies.hpp"
 #include "base/check.hpp"
-#include "compliant_orbit.hpp"
+#include "compliant_point.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/parallel_for.hpp"
 #include "loops/equations/gap_response.hpp"
-#include "loops/motions/forced_motion.hpp"
 #include "loops/motions/symmetric_forced_orbit.hpp"
 #include "steady_state/describing_function_point.hpp"
-#include "steady_state/window_mean.hpp"
 #include "symmetric_compliant_orbit.hpp"
 
 namespace backlash::detail {
@@ -27,169 +25,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
-
-// Of fractional powers.
-constexpr double realisation = 1e-9;
-// Force periods: before returns are looked for, between two looks, of the longest orbit, left to the transient of a
-// mean, of its window, of one that is judged, without a contact until there is none to come, and of the value of a
-// motion without any.
-constexpr std::size_t first_look = 16, look_interval = 8, longest_period = 32, transient = 256, window = 1024,
-                      first_judged = 128, quiet_periods = 64, quiet_window = 8;
-// Periods followed from a guess of an orbit before Newton's method.
-constexpr int settling = 2;
-// Over the sizes of the states: near enough for Newton's method.
-constexpr double near_return = 1e-3;
-
-struct Peak {
-  Eigen::VectorXd state;  // those that repeat
-  std::int64_t contacts;  // until then
-  bool is_in_contact;     // there
-  Complex phasor;         // of that period, m/N
-};
-
-/// A point with the state at its last peak.
-struct Reached {
-  DescribingFunctionPoint point;
-  Eigen::VectorXd state;
-  CompliantMode mode;
-};
-
-class Point {
- public:
-  Point(const CompliantBodies& bodies, double force, double omega, const SweepOptions& options)
-      : bodies_(bodies),
-        force_{force, omega},
-        options_(options),
-        flow_(bodies, force_, options.output, realisation, 1) {}
-
-  /// The stable orbit of one period near a motion that begins there, if Newton's method finds one.
-  [[nodiscard]] std::optional<Reached> near(const LoopStart& start) const {
-    const Eigen::VectorXd state = flow_.start(start);
-    CompliantRun run(flow_, state, flow_.mode_of(state));
-    if (!run.follow(settling)) return std::nullopt;
-    const auto orbit = closed_orbit(flow_, run.state(), run.mode(), 1);
-    if (!orbit || orbit->contacts == 0 || !(orbit->largest_multiplier < 1)) return std::nullopt;
-    return reached(*orbit);
-  }
-
-  /// Follows the motion until it is decided what it comes to.
-  [[nodiscard]] Reached follow(const LoopStart& start) {
-    const Eigen::VectorXd state = flow_.start(start);
-    CompliantRun run(flow_, state, flow_.mode_of(state));
-    peaks_.clear();
-    std::size_t wait_until = first_look;
-    const auto ended = [&](const DescribingFunctionPoint& point) { return Reached{point, run.state(), run.mode()}; };
-    while (peaks_.size() < transient + window) {
-      if (!run.follow(1)) break;
-      peaks_.push_back(
-          {repeating(run.state()), run.contacts(), run.mode().contact != 0, position(run.phasors().front())});
-      if (is_quiet()) return ended(quiet());
-      if (is_known()) break;
-      if (peaks_.size() < wait_until || peaks_.size() % look_interval != 0) continue;
-      const std::optional<int> periods = returns_after();
-      if (!periods) continue;
-      const auto orbit = closed_orbit(flow_, run.state(), run.mode(), *periods);
-      if (orbit && orbit->contacts > 0 && orbit->largest_multiplier < 1) return reached(*orbit);
-      // What led nowhere is left alone for as long again.
-      wait_until = 2 * peaks_.size();
-    }
-    return ended(mean());
-  }
-
- private:
-  [[nodiscard]] Complex position(Complex velocity) const {
-    return velocity / Complex(0, force_.omega) / force_.amplitude;
-  }
-
-  [[nodiscard]] Eigen::VectorXd repeating(const Eigen::VectorXd& state) const {
-    Eigen::VectorXd result(static_cast<Index>(flow_.repeating().size()));
-    for (std::size_t i = 0; i < flow_.repeating().size(); ++i) {
-      const Index at = flow_.repeating()[i];
-      result[static_cast<Index>(i)] = state[at] / flow_.sizes()[at];
-    }
-    return result;
-  }
-
-  [[nodiscard]] const Peak& back(std::size_t periods) const { return peaks_[peaks_.size() - 1 - periods]; }
-
-  [[nodiscard]] std::optional<int> returns_after() const {
-    for (std::size_t p = 1; p <= std::min(longest_period, peaks_.size() - 1); ++p)
-      if ((back(0).state - back(p).state).cwiseAbs().maxCoeff() < near_return && back(0).contacts > back(p).contacts)
-        return static_cast<int>(p);
-    return std::nullopt;
-  }
-
-  [[nodiscard]] bool is_quiet() const {
-    return peaks_.size() > quiet_periods && back(0).contacts == back(quiet_periods).contacts && !back(0).is_in_contact;
-  }
-
-  // Without contacts body 1 comes to rest; body 2 moves as its own receptance and dry friction let it.
-  [[nodiscard]] DescribingFunctionPoint quiet() const {
-    DescribingFunctionPoint point = free_point(bodies_.hard(), force_.omega, options_.output);
-    if (options_.output == Output::x1 || flow_.friction(1) == 0) return point;
-    point.value = mean_of_last(quiet_window).value;
-    for (std::size_t i = 0; i < quiet_window; ++i)
-      point.uncertainty = std::max(point.uncertainty, std::abs(back(i).phasor - point.value));
-    point.energy_defect = std::numeric_limits<double>::quiet_NaN();
-    return point;
-  }
-
-  [[nodiscard]] PeriodMean mean_of_last(std::size_t periods) const {
-    std::vector<Complex> phasors;
-    for (std::size_t i = 0; i < periods; ++i) phasors.push_back(back(i).phasor);
-    return mean_of_periods(phasors);
-  }
-
-  [[nodiscard]] Reached reached(const CompliantOrbit& orbit) const {
-    const CompliantReading reading = read_orbit(orbit, bodies_, force_, options_.output, realisation);
-    DescribingFunctionPoint point = empty_point(force_.omega);
-    point.value = reading.value;
-    point.period = orbit.periods;
-    point.impacts_per_period = static_cast<double>(orbit.contacts) / orbit.periods;
-    point.third_harmonic_ratio = reading.third_ratio;
-    point.even_harmonic_ratio = reading.is_symmetric ? 0 : reading.second_ratio;
-    point.regime = reading.is_symmetric ? Regime::symmetric : Regime::periodic;
-    // What flights and the difference of gap and wall, times the stiffness, round, what the last step leaves, and what
-    // a weak attraction makes of it.
-    const FreeContact free = free_contact(bodies_.contact(), bodies_.system().mass1(), bodies_.system().mass2());
-    const double rounding = 1e-13 + 5e-16 * std::pow(free.frequency / force_.omega, 2);
-    point.uncertainty =
-        std::max(rounding, orbit.residual) * std::abs(point.value) / std::max(1e-6, 1 - orbit.largest_multiplier) +
-        flow_.error() * std::abs(point.value);
-    point.energy_defect = std::abs(reading.work - reading.loss) / reading.moved;
-    point.lyapunov_exponent = std::log(orbit.largest_multiplier) / orbit.periods;
-    return {point, orbit.state, orbit.mode};
-  }
-
-  // A mean of which that is enough.
-  [[nodiscard]] bool is_known() const {
-    const std::size_t length = peaks_.size() > transient ? peaks_.size() - transient : 0;
-    if (options_.mean_tolerance == 0 || length < first_judged || (length & (length - 1)) != 0) return false;
-    const DescribingFunctionPoint point = mean();
-    return point.uncertainty <= options_.mean_tolerance * std::abs(point.value);
-  }
-
-  [[nodiscard]] DescribingFunctionPoint mean() const {
-    DescribingFunctionPoint point = empty_point(force_.omega);
-    point.transient_possible = true;
-    point.periods_followed = static_cast<double>(peaks_.size());
-    const std::size_t length = std::max(peaks_.size() > transient ? peaks_.size() - transient : 0,
-                                        std::min<std::size_t>(peaks_.size() / 2, transient));
-    if (length < 16) return point;
-    point.impacts_per_period =
-        static_cast<double>(back(0).contacts - back(length).contacts) / static_cast<double>(length);
-    const PeriodMean found = mean_of_last(length);
-    point.value = found.value;
-    point.uncertainty = found.half_width + flow_.error() * std::abs(point.value);
-    return point;
-  }
-
-  const CompliantBodies& bodies_;
-  SineForce force_;
-  const SweepOptions& options_;
-  CompliantFlow flow_;
-  std::vector<Peak> peaks_;
-};
 
 // The symmetric orbits of two contacts of free bodies, one frequency after the other.
 class SymmetricOrbitsOfContacts {
@@ -222,7 +57,7 @@ class SymmetricOrbitsOfContacts {
 
   /// State at a peak of the force on the last orbit.
   [[nodiscard]] LoopStart at_peak() const {
-    const CompliantFlow flow(bodies_, {force_, last_omega_}, output_, realisation, 1);
+    const CompliantFlow flow(bodies_, {force_, last_omega_}, output_, compliant_realisation, 1);
     const double width = bodies_.system().clearance(), total = bodies_.system().mass1() + bodies_.system().mass2();
     const double rate = last_->speed * width * last_omega_;
     // The centre of mass at rest at the next peak.
@@ -301,7 +136,7 @@ std::vector<DescribingFunctionPoint> independent_points(const CompliantScene& sc
   std::vector<DescribingFunctionPoint> points;
   for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) {
     frac::throw_if_cancelled();
-    Point point(scene.bodies, scene.force_amplitude, omega[i], options);
+    CompliantPoint point(scene.bodies, scene.force_amplitude, omega[i], options);
     points.push_back(point.follow(protocol_start(scene.bodies, options.protocol)).point);
     if (progress != nullptr) ++progress->done;
   }
@@ -332,8 +167,8 @@ std::vector<DescribingFunctionPoint> carried_points(const CompliantScene& scene,
       }
       if (std::exchange(is_owed, false)) carried = symmetric->at_peak();
     }
-    Point at(bodies, force, omega[i], options);
-    std::optional<Reached> reached;
+    CompliantPoint at(bodies, force, omega[i], options);
+    std::optional<CompliantReached> reached;
     if (seeks_orbit) {
       if (!response) response.emplace(gap_response(bodies.hard()));
       reached = at.near(carried);

@@ -10,6 +10,7 @@
 
 #include "backlash/loops/simulate_loop.hpp"
 #include "base/short_text.hpp"
+#include "formula/whole_orders.hpp"
 #include "loop_stepper.hpp"
 
 namespace backlash {
@@ -98,7 +99,7 @@ class Design {
  public:
   Design(const BacklashPlant& plant, double crossover, const frac::TuningOptions& options)
       : plant_(plant), crossover_(crossover), filter_time_(options.derivative_filter_time), fastest_(10 * crossover) {
-    is_quick_ = plant.bodies.are_free() && plant.measured == Output::x1 && filter_time_ == 0;
+    is_quick_ = !plant.compliant && plant.bodies.are_free() && plant.measured == Output::x1 && filter_time_ == 0;
   }
 
   // Cycles as fast as these may be looked for.  Faster than some crossovers no model holds.
@@ -120,15 +121,7 @@ class Design {
 
   // All of it, for an answer.
   [[nodiscard]] PersistentMotion persistent(const frac::FractionalPidGains& gains) const {
-    const LimitCycles found = cycles_of(gains, many_harmonics);
-    PersistentMotion motion{{}, found.searched, found.certain, {}, 0, 0, {}, false};
-    for (const SymmetricCycle& cycle : found.cycles) {
-      if (cycle.admissible) motion.cycles.push_back(cycle);
-    }
-    ImpactCycleOptions request;
-    request.harmonics = 2 * many_harmonics;  // even ones too
-    const ImpactCycles settled = impact_cycles(loop_of(gains), request);
-    for (const ImpactCycle* cycle : further_cycles(settled.cycles, motion.cycles)) motion.further.push_back(*cycle);
+    PersistentMotion motion = plant_.compliant ? compliant_cycles_of(gains) : hard_cycles_of(gains);
     const std::vector<Swing> swings = swings_of(motion);
     Swing largest;
     double rate = crossover_;
@@ -161,13 +154,52 @@ class Design {
   [[nodiscard]] double clearance() const { return plant_.bodies.system().clearance(); }
 
  private:
+  // Per period of the crossover: two for each of a cycle ten times as fast.
+  static constexpr double contacts_of_fast_cycles = 20, any_number = 1e15;
   static constexpr int few_harmonics = 10, many_harmonics = 100;
   // Share of the quarter before below which a simulated swing has not settled.
   static constexpr double still_falls = 0.9;
   static constexpr double coarse_steps = 600, fine_steps = 2000;  // per period
+  static PersistentMotion without_cycles(FrequencyRange searched) {
+    return {{}, searched, false, {}, {}, 0, 0, {}, false};
+  }
+  [[nodiscard]] PersistentMotion hard_cycles_of(const frac::FractionalPidGains& gains) const {
+    const LimitCycles found = cycles_of(gains, many_harmonics);
+    PersistentMotion motion = without_cycles(found.searched);
+    motion.certain = found.certain;
+    for (const SymmetricCycle& cycle : found.cycles) {
+      if (cycle.admissible) motion.cycles.push_back(cycle);
+    }
+    ImpactCycleOptions request;
+    request.harmonics = 2 * many_harmonics;  // even ones too
+    const ImpactCycles settled = impact_cycles(loop_of(gains), request);
+    for (const ImpactCycle* cycle : further_cycles(settled.cycles, motion.cycles)) motion.further.push_back(*cycle);
+    return motion;
+  }
+  [[nodiscard]] PersistentMotion compliant_cycles_of(const frac::FractionalPidGains& gains) const {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    PersistentMotion motion = without_cycles({unknown, unknown});
+    const CompliantLoop loop = compliant_loop_of(gains);
+    // Newton's method on realised powers takes minutes: of these simulations alone tell.
+    for (const auto* part : {&loop.controller(), &plant_.bodies.load(), &plant_.bodies.drive()})
+      if (!frac::detail::has_whole_orders(part->numerator()) || !frac::detail::has_whole_orders(part->denominator()))
+        return motion;
+    CompliantCycleOptions request;
+    // Corners of the motion last as long as contacts: beyond them harmonics fall as k^-4, and the sum leaves out less
+    // than 1 % of what contacts of that speed differ from a restitution in.
+    const TwoMassSystem& system = plant_.bodies.system();
+    const double ratio =
+        free_contact(plant_.compliant->contact(), system.mass1(), system.mass2()).frequency / crossover_;
+    request.harmonics = static_cast<int>(std::clamp(4 * ratio, 2.0 * many_harmonics, 2e4));
+    motion.compliant = compliant_cycles(loop, request).cycles;
+    return motion;
+  }
+
   // What persists, as far as a search can afford to know; empty where it is not known or too fast.
   [[nodiscard]] std::optional<double> quick_swing(const frac::FractionalPidGains& gains) {
-    constexpr int most_simulated = 300, most_exact = 1000;
+    // Flights through contacts that take time cost a multiple of impacts.
+    const int most_simulated = plant_.compliant ? 60 : 300;
+    constexpr int most_exact = 1000;
     if (is_quick_) {
       if (++exact_ > most_exact) return {};
       const LimitCycles found = cycles_of(gains, few_harmonics);
@@ -184,7 +216,7 @@ class Design {
     ++simulated_;
     double swing = 0;
     for (const double speed : {1.0, 10.0}) {
-      const SimulatedMotion motion = simulated(gains, speed, crossover_, coarse_steps);
+      const SimulatedMotion motion = simulated(gains, speed, crossover_, coarse_steps, contacts_of_fast_cycles);
       if (!motion.dies_out) swing = std::max(swing, motion.swing);
     }
     return swing;
@@ -192,6 +224,9 @@ class Design {
 
   [[nodiscard]] ControlLoop loop_of(const frac::FractionalPidGains& gains) const {
     return {plant_.bodies, frac::controller_transfer_function(gains, filter_time_), plant_.measured};
+  }
+  [[nodiscard]] CompliantLoop compliant_loop_of(const frac::FractionalPidGains& gains) const {
+    return {*plant_.compliant, frac::controller_transfer_function(gains, filter_time_), plant_.measured};
   }
   [[nodiscard]] LimitCycles cycles_of(const frac::FractionalPidGains& gains, int harmonics) const {
     LimitCycleOptions request;
@@ -211,20 +246,27 @@ class Design {
       const double omega = 2 * pi / cycle.period;
       swings.push_back({CycleMotion(omega, cycle.harmonics, cycle.impacts, plant_).swing(), omega, true});
     }
+    // Forces of such contacts are finite: the motion has no corners.
+    const std::vector<CycleImpact> none;
+    for (const CompliantCycle& cycle : motion.compliant) {
+      const double swing = CycleMotion(cycle.omega, cycle.harmonics, none, plant_).swing();
+      swings.push_back({swing, cycle.omega, cycle.stability.stable});
+    }
     return swings;
   }
 
   // @param rate   rad/s, of the fastest thing to be seen
   // @param speed  of the driven body at the start, in clearances per time 1/crossover
   [[nodiscard]] SimulatedMotion simulated(const frac::FractionalPidGains& gains, double speed, double rate,
-                                          double steps_per_period) const {
+                                          double steps_per_period, double contacts_per_period = any_number) const {
     constexpr double most_steps = 4e5, least = 0.01;
     const double step = 2 * pi / (steps_per_period * rate);
     SimulatedMotion motion{speed * crossover_ * clearance(), 0, 0, false};
     // What still falls is followed for longer.
     for (const double periods : {40.0, 160.0}) {
       const auto steps = static_cast<std::size_t>(std::min(2 * pi * periods / (crossover_ * step), most_steps));
-      const auto positions = positions_from(motion.speed, gains, step, steps);
+      const double contacts = std::min(contacts_per_period * periods, any_number);
+      const auto positions = positions_from(motion.speed, gains, step, steps, static_cast<std::size_t>(contacts));
       if (!positions) {
         motion.before = motion.swing = std::numeric_limits<double>::infinity();
         return motion;
@@ -237,11 +279,12 @@ class Design {
     return motion;
   }
 
-  // Of the measured body; empty where the motion grows without bound.
+  // Of the measured body; empty where the motion grows without bound, or has more contacts that take time than that.
   [[nodiscard]] std::optional<std::vector<double>> positions_from(double speed, const frac::FractionalPidGains& gains,
-                                                                  double step, std::size_t steps) const {
+                                                                  double step, std::size_t steps,
+                                                                  std::size_t most_contacts) const {
     std::vector<double> positions;
-    if (detail::can_be_stepped(plant_.bodies)) {
+    if (!plant_.compliant && detail::can_be_stepped(plant_.bodies)) {
       positions = detail::step_loop({plant_.bodies, plant_.measured, gains, filter_time_}, speed, step, steps);
       if (positions.size() < steps) return std::nullopt;
       return positions;
@@ -251,12 +294,17 @@ class Design {
     LoopSimulationOptions options;
     options.sample_time = steps_per_sample * step;
     options.duration = step * static_cast<double>(steps);
-    options.most_impacts = std::numeric_limits<std::size_t>::max();
+    options.most_impacts = plant_.compliant ? most_contacts : std::numeric_limits<std::size_t>::max();
     options.tolerance = 1e-4;
     options.rows_at_impacts = false;
-    const LoopHistory history = simulate_loop(loop_of(gains), {0, 0, 0, speed}, {}, options);
-    if (history.end == LoopEnd::diverged) return std::nullopt;
-    for (const LoopRow& row : history.rows) positions.push_back(plant_.measured == Output::x1 ? row.x1 : row.x2);
+    const auto read = [&](const auto& history) {
+      for (const auto& row : history.rows) positions.push_back(plant_.measured == Output::x1 ? row.x1 : row.x2);
+      return history.end != LoopEnd::diverged && history.end != LoopEnd::most_impacts;
+    };
+    const LoopStart start{0, 0, 0, speed};
+    const bool is_bounded = plant_.compliant ? read(simulate_loop(compliant_loop_of(gains), start, {}, options))
+                                             : read(simulate_loop(loop_of(gains), start, {}, options));
+    if (!is_bounded) return std::nullopt;
     return positions;
   }
 

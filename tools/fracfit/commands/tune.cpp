@@ -22,6 +22,7 @@
 #include "options/fit_record.hpp"
 #include "options/loop_options.hpp"
 #include "options/model_options.hpp"
+#include "options/scene_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 #include "output/limit_cycles_output.hpp"
@@ -152,6 +153,7 @@ Json motion_json(const backlash::PersistentMotion& motion) {
     add_cycle(cycle, 2 * std::numbers::pi / cycle.period, has_chatter(cycle) ? Json() : Json(cycle.impacts.size()),
               cycle.rests.size(), cycle.impacts.front().speed);
   }
+  for (const auto& cycle : motion.compliant) add_cycle(cycle, cycle.omega, cycle.contacts, 0, cycle.impact_speed);
   for (const auto& simulation : motion.simulations) {
     json["simulations"].push_back(
         {{"velocity2", simulation.speed}, {"swing_m", simulation.swing}, {"dies_out", simulation.dies_out}});
@@ -165,8 +167,19 @@ void append_backlash(Json& json, const backlash::BacklashTuning& result, const b
   json["backlash"] = {{"body", backlash::to_string(plant.measured)},
                       {"load_receptance", plant.bodies.load().formula()},
                       {"drive_receptance", plant.bodies.drive().formula()},
-                      {"clearance_m", system.clearance()},
-                      {"restitution", system.restitution()}};
+                      {"clearance_m", system.clearance()}};
+  if (!plant.compliant) json["backlash"]["restitution"] = system.restitution();
+  if (plant.compliant) {
+    for (const auto& [key, value] : contact_entries(*plant.compliant))
+      json["backlash"][key] = io::parse_number(value).value();
+    // Of a set-point of 0.
+    const backlash::RestRange rests = backlash::rest_range(
+        {*plant.compliant,
+         frac::controller_transfer_function(result.linear.gains, result.linear.derivative_filter_time), plant.measured},
+        0);
+    json["backlash"]["rest_from_m"] = rests.from;
+    json["backlash"]["rest_to_m"] = rests.to;
+  }
   json["backlash"].update(motion_json(result.persistent));
   json["regardless"] = {{"controller", controller_json(result.regardless)},
                         {"max_sensitivity", result.regardless.max_sensitivity}};
@@ -277,11 +290,11 @@ class Tune : public Command {
     o.number("--mass2", mass2_);
     add_receptances(o, load_, drive_);
     o.one_number("--restitution", restitution_);
+    contact_.add(o);
     o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven body");
-    for (const char* name :
-         {"--mass1", "--mass2", "--load-receptance", "--drive-receptance", "--restitution", "--body"})
+    for (const char* name : {"--mass1", "--mass2", "--load-receptance", "--drive-receptance", "--restitution", "--body",
+                             "--contact-stiffness", "--contact-frequency", "--friction1", "--friction2"})
       o[name].only_with({"--clearance"});
-    o["--restitution"].needed_with({"--clearance"});
     o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W")
         .needed_with({"--clearance"});
     o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
@@ -314,6 +327,9 @@ class Tune : public Command {
         "  fracfit tune --fit plant.json --crossover 2 --phase-margin 60 --max-sensitivity 1.6\n"
         "  fracfit tune --from-relay relay.csv --crossover 2 --phase-margin 60 --max-sensitivity 1.6\n"
         "  fracfit tune --clearance 0.01 --restitution 0.5 --load-receptance '1/(s^2 + 0.8 s)' --crossover 2 "
+        "--phase-margin 50\n"
+        "  fracfit tune --clearance 0.01 --contact-frequency 60 --contact-restitution 0.5 --friction1 0.002 "
+        "--crossover 2 "
         "--phase-margin 50");
   }
 
@@ -345,10 +361,13 @@ class Tune : public Command {
   }
 
   [[nodiscard]] backlash::BacklashPlant bodies() const {
-    if (!load_ && !drive_) return {backlash::TwoMassSystem(mass1_, mass2_, *clearance_, restitution_), body_};
-    return {backlash::LinearBodies(load_.value_or(backlash::free_mass(mass1_)),
-                                   drive_.value_or(backlash::free_mass(mass2_)), *clearance_, restitution_),
-            body_};
+    const bool takes_time = contact_.are_given(options());
+    if (!takes_time && !load_ && !drive_)
+      return {backlash::TwoMassSystem(mass1_, mass2_, *clearance_, restitution_), body_};
+    const auto load = load_.value_or(backlash::free_mass(mass1_)), drive = drive_.value_or(backlash::free_mass(mass2_));
+    if (!takes_time) return {backlash::LinearBodies(load, drive, *clearance_, restitution_), body_};
+    const backlash::CompliantBodies compliant = contact_.bodies(load, drive, *clearance_).front();
+    return {compliant.hard(), body_, compliant};
   }
 
   int run_with_backlash() {
@@ -387,8 +406,9 @@ class Tune : public Command {
   frac::LoopSpecification asked_;
   frac::TuningOptions tuning_;
   std::optional<double> horizon_, clearance_;
-  double mass1_ = 1, mass2_ = 1, restitution_ = 0;
+  double mass1_ = 1, mass2_ = 1, restitution_ = NAN;
   std::optional<frac::FractionalTransferFunction> load_, drive_;
+  CompliantOptions contact_;
   backlash::Output body_ = backlash::Output::x1;
   std::string step_ = "setpoint", fit_, relay_;
 };

@@ -69,16 +69,21 @@ std::string picture(const backlash::BasinMap& map) {
 
 }  // namespace
 
-io::Metadata basins_scene(const backlash::BasinMap& map, backlash::Output output) {
-  return {
-      {"mass1_kg", io::format_number(map.system.mass1())},          {"mass2_kg", io::format_number(map.system.mass2())},
-      {"clearance_m", io::format_number(map.system.clearance())},   {"force_n", io::format_number(map.force_amplitude)},
-      {"restitution", io::format_number(map.system.restitution())}, {"omega_rad_s", io::format_number(map.omega)},
-      {"output", std::string(backlash::to_string(output))}};
+io::Metadata basins_scene(const backlash::BasinMap& map, backlash::Output output, const io::Metadata& contact) {
+  const auto number = [](double value) { return io::format_number(value); };
+  io::Metadata scene{{"mass1_kg", number(map.system.mass1())},
+                     {"mass2_kg", number(map.system.mass2())},
+                     {"clearance_m", number(map.system.clearance())},
+                     {"force_n", number(map.force_amplitude)}};
+  if (contact.empty()) scene.emplace_back("restitution", number(map.system.restitution()));
+  scene.insert(scene.end(), contact.begin(), contact.end());
+  scene.emplace_back("omega_rad_s", number(map.omega));
+  scene.emplace_back("output", std::string(backlash::to_string(output)));
+  return scene;
 }
 
-Document basins_document(const backlash::BasinMap& map, backlash::Output output) {
-  Document result{basins_scene(map, output),
+Document basins_document(const backlash::BasinMap& map, backlash::Output output, const io::Metadata& contact) {
+  Document result{basins_scene(map, output, contact),
                   {{"position_m", "velocity_m_s", motion_name(map)}, map.attractor.size(), {}}};
   if (!map.attracts()) result.head.emplace_back("note", no_attractor);
   for (std::size_t i = 0; i < map.attractors.size(); ++i) {
@@ -109,9 +114,10 @@ Document basins_document(const backlash::BasinMap& map, backlash::Output output)
   return result;
 }
 
-std::string basins_json(const backlash::BasinMap& map, backlash::Output output, const std::string& command) {
+std::string basins_json(const backlash::BasinMap& map, backlash::Output output, const io::Metadata& contact,
+                        const std::string& command) {
   Json result = origin(command);
-  for (const auto& [key, value] : basins_scene(map, output)) {
+  for (const auto& [key, value] : basins_scene(map, output, contact)) {
     const auto parsed = io::parse_number(value);
     result["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }
@@ -137,9 +143,9 @@ std::string basins_json(const backlash::BasinMap& map, backlash::Output output, 
   return result.dump(-1) + "\n";
 }
 
-std::string basins_table(const backlash::BasinMap& map, backlash::Output output) {
+std::string basins_table(const backlash::BasinMap& map, backlash::Output output, const io::Metadata& contact) {
   std::string text = "two masses with backlash, of which " + std::string(backlash::to_string(output)) + " is read\n";
-  for (const auto& [key, value] : basins_scene(map, output))
+  for (const auto& [key, value] : basins_scene(map, output, contact))
     if (key != "output") text += (text.ends_with('\n') ? "" : ", ") + key + " " + value;
   text += "\n\n";
   AlignedTable table(

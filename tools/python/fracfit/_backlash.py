@@ -491,6 +491,8 @@ class LimitCycles(_Record, Table):
         None of them in that range can be missing.
     any_frequency : bool
         Every frequency is that of a cycle.
+    rests : (float, float) or None
+        m: where dry friction can hold the measured body, of contacts that take time.  `searched` and `certain` tell nothing then.
     """
 
     cycles: list[dict[str, Any]]
@@ -499,6 +501,7 @@ class LimitCycles(_Record, Table):
     searched: tuple[float, float]
     certain: bool
     any_frequency: bool
+    rests: tuple[float, float] | None
 
     def _columns(self) -> dict[str, Any]:
         names = ("omega", "symmetric", "impacts_per_period", "impact_speed", "admissible", "stable")
@@ -519,12 +522,16 @@ class LimitCycles(_Record, Table):
 def limit_cycles(
     controller: Model | str,
     *,
-    restitution: float,
+    restitution: float | None = None,
     clearance: float = 1.0,
     mass1: float | None = None,
     mass2: float | None = None,
     load_receptance: Model | str | None = None,
     drive_receptance: Model | str | None = None,
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     body: str = "x1",
     band: tuple[float, float] | None = None,
     harmonics: int = 5,
@@ -543,6 +550,9 @@ def limit_cycles(
         1 kg unless a receptance stands for it.
     load_receptance, drive_receptance : Model or str, optional
         Displacement per force of body 1 and 2, m/N, instead of free masses.
+    contact_stiffness, contact_damping, friction1, friction2 : float, optional
+        In place of a restitution: contacts that take time, N/m and N s/m, see `contact_of_frequency`; with them dry friction
+        on the bodies, N.
     body : {"x1", "x2"}
         Body whose position is measured.
     band : (float, float), optional
@@ -559,9 +569,13 @@ def limit_cycles(
     LimitCycles(1 found, 2 predicted)
       1.58132 rad/s, stable
     """
+    contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    for name, value in (("band", band), ("branches", branches or None)):
+        if contact is not None and value is not None:
+            raise ValueError(f"{name} has no meaning with contact_stiffness, whose cycles are found from motions and from those of a restitution")
     found = _core.limit_cycles(
         _model(controller)._tf,
-        _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body),
+        _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body, contact),
         None if band is None else pair(band, "band"),
         count(harmonics, "harmonics"),
         count(starts, "starts"),
@@ -614,21 +628,28 @@ def contact_or_none(restitution: Any, stiffness: Any, damping: Any, friction1: A
     return None
 
 
+def contacts_of(restitution: Any, contact_stiffness: Any, contact_damping: Any, friction1: Any, friction2: Any) -> tuple[float, ...] | None:
+    """The same as numbers: stiffness, damping, and the friction of both bodies."""
+    contact = contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    return None if contact is None else tuple(number(value, name) for name, value in contact.items())
+
+
 def _model(given: Model | str) -> Model:
     return given if isinstance(given, Model) else Model(given)
 
 
 def _bodies(
-    restitution: Any, clearance: Any, mass1: Any, mass2: Any, load_receptance: Any, drive_receptance: Any, body: Any
+    restitution: Any, clearance: Any, mass1: Any, mass2: Any, load_receptance: Any, drive_receptance: Any, body: Any, contact: Any
 ) -> dict[str, Any]:
-    """Two bodies with clearance, as the compiled part takes them."""
+    """Two bodies with clearance, as the compiled part takes them; `contact` of contacts_of(), or None with a restitution."""
     return {
         "mass1": None if mass1 is None else number(mass1, "mass1"),
         "mass2": None if mass2 is None else number(mass2, "mass2"),
         "load_receptance": None if load_receptance is None else _model(load_receptance)._tf,
         "drive_receptance": None if drive_receptance is None else _model(drive_receptance)._tf,
         "clearance": number(clearance, "clearance"),
-        "restitution": number(restitution, "restitution"),
+        "restitution": 1.0 if contact is not None else number(restitution, "restitution"),
+        "contact": contact,
         "body": body_of(body),
     }
 

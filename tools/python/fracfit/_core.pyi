@@ -218,7 +218,14 @@ def history_record(
     /,
 ) -> dict[str, Any]: ...
 def basins(
-    scene: tuple[float, ...], position: np.ndarray, velocity: np.ndarray, body: str, threads: int, report: Report, /
+    scene: tuple[float, ...],
+    contact: tuple[float, ...] | None,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    body: str,
+    threads: int,
+    report: Report,
+    /,
 ) -> dict[str, Any]: ...
 def response(
     records: Sequence[tuple[float, np.ndarray, Sequence[np.ndarray], np.ndarray]],

@@ -1047,6 +1047,10 @@ def tune(
     mass2: float | None = None,
     load_receptance: Model | str | None = None,
     drive_receptance: Model | str | None = None,
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     body: str = "x1",
     from_relay: TimeSeries | Any = None,
 ) -> Tuning:
@@ -1073,7 +1077,7 @@ def tune(
         Orders, held or within a range.
     minimise : {"sensitivity", "iae", "itae"}
         The integrals are of a step response of length `horizon` (s).
-    clearance, restitution, mass1, mass2, load_receptance, drive_receptance, body
+    clearance, restitution, mass1, mass2, load_receptance, drive_receptance, body, contact_stiffness, contact_damping, friction1, friction2
         Two bodies with backlash, as of `limit_cycles`: no motion is to persist, or the smallest.
     from_relay : TimeSeries, optional
         In place of a plant samples of input and output of a relay experiment or any other: a lag, a fractional lag, a second
@@ -1095,13 +1099,15 @@ def tune(
             "mass2": mass2,
             "load_receptance": load_receptance,
             "drive_receptance": drive_receptance,
+            "contact_stiffness": contact_stiffness,
+            "contact_damping": contact_damping,
+            "friction1": friction1,
+            "friction2": friction2,
             "body": None if body == "x1" else body,
         }
         for name, value in of_bodies.items():
             if value is not None:
                 raise ValueError(f"{name} has no meaning without clearance, of two bodies that are the plant")
-    elif restitution is None:
-        raise ValueError("restitution has no value; it is needed with clearance")
     specification = {
         "crossover": None if crossover is None else number(crossover, "crossover"),
         "phase_margin": None if phase_margin is None else number(phase_margin, "phase_margin"),
@@ -1122,9 +1128,10 @@ def tune(
         "seed": seed_number(seed),
     }
     if clearance is not None:
-        from ._backlash import _bodies
+        from ._backlash import _bodies, contacts_of
 
-        bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
+        contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
+        bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body, contact)
         return Tuning(_fitting.tune_with_backlash(bodies, specification, options))
     if from_relay is not None:
         record = data_of(from_relay, name="from_relay")

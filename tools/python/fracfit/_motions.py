@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import body_of, count, flag, number, pair, real_array, seed_number
-from ._backlash import contact_or_none
+from ._backlash import contacts_of
 from ._data import TimeSeries
 from ._model import Model, _Record
 from ._tables import Table
@@ -52,7 +52,30 @@ class _Motion(_Record, Table):
         return f"<p><strong>{self!r}</strong></p>"
 
 
-class History(_Motion):
+class _OfContacts(_Motion):
+    """With the force of contacts, where these take time."""
+
+    contact_code: np.ndarray | None
+    contact_force: np.ndarray | None
+    _hard_words: tuple[str, ...] = ()
+
+    @property
+    def _words(self) -> tuple[str, ...]:  # type: ignore[override]
+        return self._hard_words if self.contact_force is None else _core.compliant_events
+
+    @property
+    def contact(self) -> np.ndarray | None:
+        """Wall that the bodies are at in each row: none, near or far; None where it is not told."""
+        return None if self.contact_code is None else np.array(["none", "near", "far"])[self.contact_code]
+
+    def _columns(self) -> dict[str, Any]:
+        columns = super()._columns()
+        if self.contact_code is not None:
+            columns["contact"] = self.contact
+        return columns if self.contact_force is None else {**columns, "contact_force_n": self.contact_force}
+
+
+class History(_OfContacts):
     """Positions and velocities of two masses with backlash over time, exact at every impact.
 
     Attributes
@@ -70,26 +93,12 @@ class History(_Motion):
         False where the periods to skip held more impacts than can be followed.
     """
 
-    contact_code: np.ndarray
-    contact_force: np.ndarray | None
+    _hard_words = _core.history_events
     complete: bool
     usable: bool
 
-    @property
-    def _words(self) -> tuple[str, ...]:  # type: ignore[override]
-        return _core.history_events if self.contact_force is None else _core.compliant_events
 
-    @property
-    def contact(self) -> np.ndarray:
-        """Wall that the masses are at in each row: none, near or far."""
-        return np.array(["none", "near", "far"])[self.contact_code]
-
-    def _columns(self) -> dict[str, Any]:
-        columns = {**super()._columns(), "contact": self.contact}
-        return columns if self.contact_force is None else {**columns, "contact_force_n": self.contact_force}
-
-
-class LoopMotion(_Motion):
+class LoopMotion(_OfContacts):
     """Motion of a loop around two bodies with backlash.
 
     Attributes
@@ -97,9 +106,12 @@ class LoopMotion(_Motion):
     time, x1, v1, x2, v2, force : ndarray
         s, m, m/s, and the controller's force on body 2 in N.
     event : ndarray of str
-        sample, before-impact, after-impact, contact (the bodies stay together from there on) or release.
+        sample, before-impact, after-impact, contact (the bodies stay together from there on) or release; with contacts that
+        take time as of `History`.
+    contact_force : ndarray or None
+        N, between the bodies; None of contacts that take no time.
     impacts : int
-        Their number.
+        Their number, of contacts that take time that of those begun.
     end : str
         duration, rest, most-impacts, most-flights or diverged: why it ended.
     end_time : float
@@ -111,7 +123,7 @@ class LoopMotion(_Motion):
     """
 
     force: np.ndarray
-    _words = _core.loop_events
+    _hard_words = _core.loop_events
     impacts: int
     end: str
     end_time: float
@@ -275,8 +287,7 @@ def history(
     True
     """
     start = None if position is None else number(position, "position")
-    contact = contact_or_none(restitution, contact_stiffness, contact_damping, friction1, friction2)
-    contacts = None if contact is None else tuple(number(value, name) for name, value in contact.items())
+    contacts = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
     followed = (start, number(velocity, "velocity"), count(skip, "skip"), count(periods, "periods"))
     sensors = _sensors(sample_time, "sample_time", sensor_noise, force_noise, quantisation, clip, sensor_delay, clock_jitter, seed)
     held = (mass1, mass2, clearance, 1.0 if restitution is None else restitution, force)
@@ -299,11 +310,15 @@ def history(
 def basins(
     omega: float,
     *,
-    restitution: float,
+    restitution: float | None = None,
     force: float = 1.0,
     clearance: float = 1.0,
     mass1: float = 1.0,
     mass2: float = 1.0,
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     position: Any = None,
     velocity: Any = None,
     body: str = "x1",
@@ -316,6 +331,8 @@ def basins(
     ----------
     omega : float
         rad/s, of the force, which is at its peak at the start.
+    contact_stiffness, contact_damping, friction1, friction2 : float, optional
+        As of `history`.
     position, velocity : array_like, optional
         Of x2 - x1, m and m/s; 41 from wall to wall, and 41 up to clearance times omega either way, if not given.
     progress : bool or function of (done, total), optional
@@ -328,20 +345,22 @@ def basins(
     >>> found.attractor.shape, int(sum(each["starts"] for each in found.attractors))
     ((3, 3), 9)
     """
-    scene = _scene(mass1, mass2, clearance, restitution, force, omega)
+    contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    scene = _scene(mass1, mass2, clearance, 1.0 if contact is not None else restitution, force, omega)
     per_side = 41
     width, speed = scene[2], scene[2] * scene[5]
     positions = np.linspace(0, width, per_side) if position is None else real_array(np.atleast_1d(position), "position")
     velocities = np.linspace(-speed, speed, per_side) if velocity is None else real_array(np.atleast_1d(velocity), "velocity")
     return Basins(
-        _core.basins(scene, positions, velocities, body_of(body), count(threads, "threads"), reporter(progress, "basins"))
+        _core.basins(scene, contact, positions, velocities, body_of(body), count(threads, "threads"), reporter(progress, "basins"))
     )
 
 
 @overload
 def loop(
-    controller: Model | str, *, restitution: float, clearance: float = 1.0, mass1: float | None = None,
+    controller: Model | str, *, restitution: float | None = None, clearance: float = 1.0, mass1: float | None = None,
     mass2: float | None = None, load_receptance: Model | str | None = None, drive_receptance: Model | str | None = None,
+    contact_stiffness: float | None = None, contact_damping: float | None = None, friction1: float | None = None, friction2: float | None = None,
     body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
     setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
     duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
@@ -350,8 +369,9 @@ def loop(
 ) -> LoopMotion: ...  # fmt: skip
 @overload
 def loop(
-    controller: Model | str, *, restitution: float, clearance: float = 1.0, mass1: float | None = None,
+    controller: Model | str, *, restitution: float | None = None, clearance: float = 1.0, mass1: float | None = None,
     mass2: float | None = None, load_receptance: Model | str | None = None, drive_receptance: Model | str | None = None,
+    contact_stiffness: float | None = None, contact_damping: float | None = None, friction1: float | None = None, friction2: float | None = None,
     body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
     setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
     duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
@@ -363,12 +383,16 @@ def loop(
 def loop(
     controller: Model | str,
     *,
-    restitution: float,
+    restitution: float | None = None,
     clearance: float = 1.0,
     mass1: float | None = None,
     mass2: float | None = None,
     load_receptance: Model | str | None = None,
     drive_receptance: Model | str | None = None,
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     body: str = "x1",
     velocity1: float = 0.0,
     velocity2: float = 0.0,
@@ -397,6 +421,8 @@ def loop(
     Parameters
     ----------
     controller, restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body
+        As of `limit_cycles`.
+    contact_stiffness, contact_damping, friction1, friction2
         As of `limit_cycles`.
     velocity1, velocity2 : float
         m/s at the start; both bodies have rested at 0, in the middle of the clearance, until then.
@@ -450,6 +476,10 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
+    contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
+    if contact is not None and (sample_time is not None or whole_memory):
+        wrong = "whole_memory" if whole_memory else "sample_time"
+        raise ValueError(f"{wrong} has no meaning with contact_stiffness, whose contacts take time")
     if flag(record, "record") and sample_time is not None:
         raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
     if record and not number(every, "every") > 0:
@@ -472,7 +502,7 @@ def loop(
         "whole_memory": flag(whole_memory, "whole_memory"),
         "impacts": count(impacts, "impacts"),
     }
-    bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body)
+    bodies = _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body, contact)
     found = _core.loop(_model(controller)._tf, bodies, given)
     return LoopMotion(found) if sensors is None else RigRecord(found)
 

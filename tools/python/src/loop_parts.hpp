@@ -2,11 +2,14 @@
 #pragma once
 
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
+#include <array>
 #include <numbers>
 #include <optional>
 #include <string>
 
+#include "backlash/compliant/compliant_cycles.hpp"
 #include "backlash/loops/control_loop.hpp"
 #include "backlash/loops/describe.hpp"
 #include "backlash/loops/impact_cycles.hpp"
@@ -30,17 +33,40 @@ namespace python {
   return {load ? *load : backlash::free_mass(m1), drive ? *drive : backlash::free_mass(m2), clearance, restitution};
 }
 
-/// The loop that a controller closes around them, its measured body by the key "body".
+/// With a contact that has a stiffness and a damping, and dry friction, in place of that restitution: the key "contact"
+/// has these two and the friction of both bodies, or None.
+[[nodiscard]] inline std::optional<backlash::CompliantBodies> compliant_of(const pybind11::dict& given) {
+  if (given["contact"].is_none()) return std::nullopt;
+  const auto [stiffness, damping, friction1, friction2] = given["contact"].cast<std::array<double, 4>>();
+  const backlash::LinearBodies hard = bodies_of(given);
+  return backlash::CompliantBodies(hard.load(), hard.drive(), hard.system().clearance(),
+                                   backlash::CompliantContact(stiffness, damping), {friction1, friction2});
+}
+
+/// The measured body, by the key "body".
+[[nodiscard]] inline backlash::Output body_of(const pybind11::dict& given) {
+  return backlash::output_from_string(given["body"].cast<std::string>());
+}
+
+/// The loop that a controller closes around them.
 [[nodiscard]] inline backlash::ControlLoop loop_of(const frac::FractionalTransferFunction& controller,
                                                    const pybind11::dict& given) {
-  return {bodies_of(given), controller, backlash::output_from_string(given["body"].cast<std::string>())};
+  return {bodies_of(given), controller, body_of(given)};
 }
 
 /// A cycle of any kind as a dict.
 template <class Cycle>
 [[nodiscard]] pybind11::dict cycle_of(const Cycle& cycle) {
   pybind11::dict result;
-  if constexpr (requires { cycle.period; }) {
+  result["admissible"] = true;
+  result["reason"] = "";
+  if constexpr (requires { cycle.sticks; }) {
+    result["omega"] = cycle.omega;
+    result["symmetric"] = cycle.symmetric;
+    result["impacts_per_period"] = cycle.contacts;
+    result["sticks_per_period"] = cycle.sticks;
+    result["impact_speed"] = cycle.impact_speed;
+  } else if constexpr (requires { cycle.period; }) {
     result["omega"] = 2 * std::numbers::pi / cycle.period;
     result["symmetric"] = cycle.symmetric;
     result["impacts_per_period"] = cycle.impacts.size();
@@ -51,8 +77,10 @@ template <class Cycle>
     result["impacts_per_period"] = 2;
     result["impact_speed"] = cycle.impact_speed;
   }
-  result["admissible"] = cycle.admissible;
-  result["reason"] = cycle.reason;
+  if constexpr (requires { cycle.admissible; }) {
+    result["admissible"] = cycle.admissible;
+    result["reason"] = cycle.reason;
+  }
   result["stable"] = cycle.stability.stable;
   result["unstable_multipliers"] = cycle.stability.unstable_multipliers;
   result["dominant_multiplier"] = cycle.stability.dominant;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "arrays.hpp"
+#include "backlash/compliant/compliant_cycles.hpp"
+#include "backlash/compliant/compliant_loop.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/loop_record.hpp"
@@ -21,8 +25,31 @@
 namespace python {
 namespace {
 
+py::dict compliant_cycles(const backlash::CompliantLoop& loop, int harmonics, int starts) {
+  backlash::CompliantCycleOptions options;
+  options.harmonics = harmonics;
+  options.starts = starts;
+  const auto found = result_of([&](frac::Progress&) { return backlash::compliant_cycles(loop, options); });
+  py::list cycles, predicted, motions;
+  for (const auto& cycle : found.cycles) {
+    cycles.append(cycle_of(cycle));
+    if (cycle.predicted)
+      predicted.append(py::dict(py::arg("omega") = cycle.predicted->omega,
+                                py::arg("force_amplitude") = cycle.predicted->force_amplitude,
+                                py::arg("stable") = cycle.predicted->stable));
+  }
+  for (const auto& motion : found.motions) motions.append(std::string(backlash::to_string(motion.regime)));
+  const backlash::RestRange rests = backlash::rest_range(loop, 0);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  return py::dict(py::arg("cycles") = cycles, py::arg("predicted") = predicted, py::arg("motions") = motions,
+                  py::arg("searched") = py::make_tuple(unknown, unknown), py::arg("certain") = false,
+                  py::arg("any_frequency") = false, py::arg("rests") = py::make_tuple(rests.from, rests.to));
+}
+
 py::dict cycles(const frac::FractionalTransferFunction& controller, const py::dict& bodies,
                 const std::optional<std::pair<double, double>>& range, int harmonics, int starts, bool branches) {
+  if (const auto compliant = compliant_of(bodies))
+    return compliant_cycles({*compliant, controller, body_of(bodies)}, harmonics, starts);
   const backlash::ControlLoop loop = loop_of(controller, bodies);
   backlash::LimitCycleOptions options;
   if (range) options.range = backlash::FrequencyRange{range->first, range->second};
@@ -52,11 +79,19 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, const py::di
   result["searched"] = py::make_tuple(exact.searched.from, exact.searched.to);
   result["certain"] = exact.certain;
   result["any_frequency"] = exact.any_frequency;
+  result["rests"] = py::none();
   return result;
 }
 
-py::dict dict_of_rows(const std::vector<backlash::LoopRow>& rows) {
+template <class Row>
+py::dict dict_of_rows(const std::vector<Row>& rows) {
   py::dict result;
+  result["contact_force"] = py::none();
+  result["contact_code"] = py::none();
+  if constexpr (std::is_same_v<Row, backlash::CompliantLoopRow>) {
+    result["contact_force"] = column_of<double>(rows, [](const auto& row) { return row.contact_force; });
+    result["contact_code"] = column_of<std::int8_t>(rows, [](const auto& row) { return code_of(row.wall); });
+  }
   result["time"] = column_of<double>(rows, [](const auto& row) { return row.time; });
   result["x1"] = column_of<double>(rows, [](const auto& row) { return row.x1; });
   result["v1"] = column_of<double>(rows, [](const auto& row) { return row.v1; });
@@ -80,30 +115,10 @@ backlash::SetPoint set_point_of(const py::dict& given) {
   return set_point;
 }
 
-py::dict simulated(const frac::FractionalTransferFunction& controller, const py::dict& bodies, const py::dict& given) {
-  const backlash::ControlLoop loop = loop_of(controller, bodies);
-  const backlash::SetPoint set_point = set_point_of(given);
+// Of a motion followed from impact to impact, or from event to event.
+template <class Loop>
+py::dict followed(const Loop& loop, const backlash::SetPoint& set_point, const py::dict& given) {
   const auto number = [&](const char* key) { return given[key].cast<double>(); };
-  if (!given["sample_time"].is_none()) {
-    backlash::SampledLoopOptions options;
-    options.sample_time = number("sample_time");
-    options.duration = number("duration");
-    options.force_limit = number("force_limit");
-    options.velocity1 = number("velocity1");
-    options.velocity2 = number("velocity2");
-    options.set_point = set_point;
-    const auto [history, note] = result_of([&](frac::Progress&) {
-      return std::pair(backlash::simulate_sampled_loop(loop, options),
-                       frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note());
-    });
-    py::dict result = dict_of_rows(history.rows);
-    result["impacts"] = history.impacts;
-    result["end"] = std::string(backlash::to_string(backlash::LoopEnd::duration));
-    result["end_time"] = options.duration;
-    result["realisation_error"] = 0.0;
-    result["note"] = note;
-    return result;
-  }
   backlash::LoopSimulationOptions options;
   options.duration = number("duration");
   options.sample_time = number("every");
@@ -122,11 +137,41 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
     return dict_of(std::move(record), sensors.sample_time, history.end == backlash::LoopEnd::duration);
   }
   py::dict result = dict_of_rows(history.rows);
-  result["impacts"] = history.impacts.size();
+  if constexpr (std::is_same_v<Loop, backlash::CompliantLoop>)
+    result["impacts"] = history.contacts;
+  else
+    result["impacts"] = history.impacts.size();
   result["end"] = std::string(backlash::to_string(history.end));
   result["end_time"] = history.end_time;
   result["realisation_error"] = history.realisation_error;
   result["note"] = "";
+  return result;
+}
+
+py::dict simulated(const frac::FractionalTransferFunction& controller, const py::dict& bodies, const py::dict& given) {
+  const backlash::SetPoint set_point = set_point_of(given);
+  if (const auto compliant = compliant_of(bodies))
+    return followed(backlash::CompliantLoop(*compliant, controller, body_of(bodies)), set_point, given);
+  const backlash::ControlLoop loop = loop_of(controller, bodies);
+  if (given["sample_time"].is_none()) return followed(loop, set_point, given);
+  const auto number = [&](const char* key) { return given[key].cast<double>(); };
+  backlash::SampledLoopOptions options;
+  options.sample_time = number("sample_time");
+  options.duration = number("duration");
+  options.force_limit = number("force_limit");
+  options.velocity1 = number("velocity1");
+  options.velocity2 = number("velocity2");
+  options.set_point = set_point;
+  const auto [history, note] = result_of([&](frac::Progress&) {
+    return std::pair(backlash::simulate_sampled_loop(loop, options),
+                     frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note());
+  });
+  py::dict result = dict_of_rows(history.rows);
+  result["impacts"] = history.impacts;
+  result["end"] = std::string(backlash::to_string(backlash::LoopEnd::duration));
+  result["end_time"] = options.duration;
+  result["realisation_error"] = 0.0;
+  result["note"] = note;
   return result;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "arrays.hpp"
-#include "backlash/basins.hpp"
+#include "backlash/compliant/compliant_basins.hpp"
 #include "backlash/compliant/compliant_history.hpp"
 #include "backlash/time_history.hpp"
 #include "parts.hpp"
@@ -24,11 +24,6 @@ using Scene = std::tuple<double, double, double, double, double, double>;
 // mass1, mass2, clearance, restitution; force and omega stand behind them.
 backlash::TwoMassSystem system_of(const Scene& scene) {
   return {std::get<0>(scene), std::get<1>(scene), std::get<2>(scene), std::get<3>(scene)};
-}
-
-// 0: none, 1: near, 2: far.
-std::int8_t code_of(const std::optional<backlash::Wall>& wall) {
-  return static_cast<std::int8_t>(!wall ? 0 : *wall == backlash::Wall::near ? 1 : 2);
 }
 
 // Where the motion is after so many periods of the force; none where they hold too many impacts.
@@ -130,16 +125,19 @@ py::dict history_record(const Scene& scene, const std::optional<std::array<doubl
   return dict_of(std::move(record), sensors.sample_time, complete);
 }
 
-py::dict basins(const Scene& scene, const Reals& position, const Reals& velocity, const std::string& body, int threads,
-                const py::object& report) {
+py::dict basins(const Scene& scene, const std::optional<std::array<double, 4>>& contact, const Reals& position,
+                const Reals& velocity, const std::string& body, int threads, const py::object& report) {
   backlash::SweepOptions options;
   options.output = backlash::output_from_string(body);
   options.threads = threads;
   const std::vector<double> positions = vector_of(position), velocities = vector_of(velocity);
   const auto map = result_of(
       [&](frac::Progress& progress) {
-        return backlash::basins(system_of(scene), std::get<4>(scene), std::get<5>(scene), positions, velocities,
-                                options, &progress);
+        const auto found = [&](const auto& bodies) {
+          return backlash::basins(bodies, std::get<4>(scene), std::get<5>(scene), positions, velocities, options,
+                                  &progress);
+        };
+        return contact ? found(bodies_of(scene, *contact)) : found(system_of(scene));
       },
       report);
   py::list attractors;

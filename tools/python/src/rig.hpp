@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "arrays.hpp"
+#include "backlash/impact_simulation.hpp"
 #include "backlash/rig_record.hpp"
 
 namespace python {
@@ -29,6 +31,11 @@ using Sensors = std::tuple<double, double, double, double, double, double, doubl
   result["sample_time"] = sample_time;
   result["complete"] = complete;
   return result;
+}
+
+/// Of a wall: 0: none, 1: near, 2: far.
+[[nodiscard]] inline std::int8_t code_of(const std::optional<backlash::Wall>& wall) {
+  return static_cast<std::int8_t>(!wall ? 0 : *wall == backlash::Wall::near ? 1 : 2);
 }
 
 }  // namespace python

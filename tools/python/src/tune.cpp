@@ -121,6 +121,7 @@ py::dict dict_of_motion(const backlash::PersistentMotion& motion) {
   py::list cycles, simulations;
   for (const auto& cycle : motion.cycles) cycles.append(cycle_of(cycle));
   for (const auto& cycle : motion.further) cycles.append(cycle_of(cycle));
+  for (const auto& cycle : motion.compliant) cycles.append(cycle_of(cycle));
   for (const auto& each : motion.simulations)
     simulations.append(py::dict(py::arg("velocity2") = each.speed, py::arg("swing") = each.swing,
                                 py::arg("dies_out") = each.dies_out));
@@ -133,8 +134,8 @@ py::dict dict_of_motion(const backlash::PersistentMotion& motion) {
 py::dict tuned_with_backlash(const py::dict& bodies, const py::dict& specification, const py::dict& given) {
   const frac::LoopSpecification asked = specification_of(specification);
   const frac::TuningOptions options = options_of(given);
-  const backlash::BacklashPlant plant{bodies_of(bodies),
-                                      backlash::output_from_string(bodies["body"].cast<std::string>())};
+  const auto compliant = compliant_of(bodies);
+  const backlash::BacklashPlant plant{compliant ? compliant->hard() : bodies_of(bodies), body_of(bodies), compliant};
   const auto found = result_of([&](frac::Progress&) { return backlash::tune_with_backlash(plant, asked, options); });
   py::dict dict = dict_of_tuning(found.linear);
   dict["message"] = found.message;

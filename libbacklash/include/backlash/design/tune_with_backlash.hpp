@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_cycles.hpp"
 #include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "frac/identification/tune.hpp"
@@ -14,6 +16,8 @@ namespace backlash {
 struct BacklashPlant {
   LinearBodies bodies;
   Output measured = Output::x1;
+  /// Where the contact has a stiffness and a damping, or bodies have dry friction; `bodies` is then its hard().
+  std::optional<CompliantBodies> compliant = {};
 };
 
 /// A line of the answer: what was asked for or may not be passed, and whether it holds the answer where it is.
@@ -39,6 +43,9 @@ struct PersistentMotion {
   bool certain;                        // see LimitCycles
   /// Stable cycles of any other kind that motions of impact_cycles() come to, those that rest in contact too.
   std::vector<ImpactCycle> further;
+  /// In place of both where contacts take time: those of compliant_cycles(), which are never certain to be all; none
+  /// with fractional powers, where simulations alone tell what persists.
+  std::vector<CompliantCycle> compliant;
   /// Half of what the measured body goes from peak to peak, m: of the largest stable cycle, or as simulated where a
   /// simulation shows a larger motion that is none of the cycles and does not fall to one.  0 where nothing persists.
   double swing;
@@ -69,7 +76,8 @@ struct BacklashTuning {
 /// taken where they are stable; controllers with none are simulated, because motions of other kinds may persist (with
 /// more impacts in a period, or contact).
 /// Free masses under a controller without filter whose load is measured are searched by exact cycles, others by
-/// simulations: in steps where the receptances are 1/(M s^2 + sum of c s^a), from impact to impact where they are not.
+/// simulations: in steps where the receptances are 1/(M s^2 + sum of c s^a), from impact to impact where they are not,
+/// and from event to event where contacts take time: by simulate_loop() of a CompliantLoop.
 /// Controllers are left out with which the loop falls more slowly than s^-0.5 at high frequency, or whose cycles are
 /// faster than ten crossovers and than those of the controller of frac::tune(): no model holds there.
 /// @throws std::invalid_argument  as frac::tune(), ControlLoop and symmetric_cycles(); no crossover; options with an

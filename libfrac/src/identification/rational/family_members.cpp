@@ -124,8 +124,9 @@ FamilyMembers rational_members(const FrequencyResponseData& data, const Residual
   for (const RationalFit& fit : held.fits) against.push_back(evidence_against(leftover(fit), closest, left.rows()));
   const auto least = std::min_element(against.begin(), against.end());
   const RationalFit& defended = held.fits[static_cast<std::size_t>(least - against.begin())];
-  const std::string closer = share_of_data(left, free.chosen()), of_stable = share_of_data(left, defended);
   const bool refuted = *least > price_of_assumption;
+  const std::string closer = share_of_data(left, free.chosen()),
+                    of_stable = share_of_data(left, refuted ? defended : held.chosen());
   held.members.stands_in = true;
   FamilyMembers taken = std::move(refuted ? free.members : held.members);
   taken.set_aside = std::make_shared<const FamilyMembers>(std::move(refuted ? held.members : free.members));
