@@ -355,7 +355,7 @@ def test_exports(tmp_path):
     for wrong, sentence in (
         ({"source": "1/(s^0.5 + 1)"}, "band has no value"),
         ({}, "source has no value"),
-        ({"clearance": 0.1}, "give either restitution"),
+        ({"clearance": 0.1}, "restitution has no value"),
         ({"clearance": 0.1, "restitution": 0.5, "band": (1, 2)}, "band has no meaning"),
         ({"source": pid, "band": (1, 2)}, "band has no meaning"),
     ):

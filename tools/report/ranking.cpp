@@ -96,16 +96,16 @@ std::string verdict_html(const frac::IdentificationResult& result) {
 Table chosen_table(const std::string& name, const frac::IdentificationResult& result, const std::string& unit) {
   const frac::RankedFit& chosen = result.ranking.at(result.chosen);
   const bool without_noise = result.without_noise();
-  Table table{
-      name,
-      prose("ranking", without_noise ? "chosen-without-noise" : "chosen", {{"model", html_formula(described(chosen))}}),
-      {{"parameter", "parameter"},
-       {"value", "value", 5},
-       {"standard_error", "standard error", 2},
-       {"ci95_lower", "95 % from", 5},
-       {"ci95_upper", "to", 5},
-       {"remark", "remark"},
-       {"unit", "unit", 0, true, true}}};
+  Table table{name,
+              without_noise ? prose("ranking", "chosen-without-noise", {{"model", html_formula(described(chosen))}})
+                            : prose("ranking", "chosen", {{"model", html_formula(described(chosen))}}),
+              {{"parameter", "parameter"},
+               {"value", "value", 5},
+               {"standard_error", "standard error", 2},
+               {"ci95_lower", "95 % from", 5},
+               {"ci95_upper", "to", 5},
+               {"remark", "remark"},
+               {"unit", "unit", 0, true, true}}};
   if (chosen.fit.parameters.empty()) return table;
   const std::vector<std::string> units = frac::parameter_units(frac::Structure(chosen.fit.model), unit);
   for (std::size_t i = 0; i < chosen.fit.parameters.size(); ++i) {
@@ -177,6 +177,7 @@ Table parameter_table(const std::string& name, const std::string& caption, const
                {"remark", "remark"}}};
   table.in_results = false;
   table.folded = true;
+  for (std::size_t column = 4; column < 7; ++column) table.columns[column].on_page = !result.without_noise();
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     for (const auto& parameter : result.ranking[i].fit.parameters) {
       table.rows.push_back({static_cast<double>(i + 1), described(result.ranking[i]), parameter.name, parameter.value,

@@ -865,8 +865,8 @@ class Identification(_Record, IdentificationNumbers, Table):
 
     def _repr_html_(self) -> str:
         if self.without_noise:
-            plain = [(each["name"], each["model_class"], each["fit"].rms) for each in self.ranking]
-            return html_table(["model", "class", "rms"], plain, repr(self))
+            plain = [(each["name"], each["model_class"], each["fit"].rms, "chosen" if i == self.chosen else "") for i, each in enumerate(self.ranking)]
+            return html_table(["model", "class", "rms", ""], plain, repr(self))
         rows = []
         for i, each in enumerate(self.ranking):
             remark = "chosen" if i == self.chosen else "" if each["adequate"] else "misses the data"
