@@ -341,7 +341,7 @@ TEST_F(Faults, SignalsLeaveNothingBehind) {
   for (const auto& [signal, code] : std::vector<std::pair<std::string, std::string>>{{"TERM", "143"}, {"INT", "130"}}) {
     std::string commands = script;
     commands.replace(commands.find("SIGNAL"), 6, signal);
-    // A shell without job control starts programs in the background with SIGINT ignored, and whoever starts the tests may.
+    // A shell without job control starts programs in the background with SIGINT ignored, as may who starts the tests.
     const auto result = run_shell("set -m; " + commands);
     EXPECT_EQ(result.output, code + "\n") << result.error;
     EXPECT_TRUE(names().empty());
