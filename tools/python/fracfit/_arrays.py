@@ -93,15 +93,19 @@ def pair(value: Any, name: str) -> tuple[float, float]:
 def text(value: Any, name: str) -> str:
     """A text, where others have no meaning."""
     if not isinstance(value, str):
-        said = f"of the type {type(value).__name__}" if np.ndim(value) else repr(value)
-        raise ValueError(f"{name} is {said}; expected a text")
+        raise ValueError(f"{name} is {_shown(value)}; expected a text")
     return value
+
+
+def _shown(value: Any) -> str:
+    """A value in a message: an array by its type alone."""
+    return f"of the type {type(value).__name__}" if np.ndim(value) else repr(value)
 
 
 def flag(value: Any, name: str) -> bool:
     """True or False, where the truth of anything else would be taken for an answer."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{name} is {value!r}; expected True or False" if np.ndim(value) == 0 else f"{name} is of the type {type(value).__name__}; expected True or False")
+        raise ValueError(f"{name} is {_shown(value)}; expected True or False")
     return bool(value)
 
 
