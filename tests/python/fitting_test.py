@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits against truths, the command line and scipy."""
 
+import functools
 import inspect
 import itertools
 import os
@@ -24,9 +25,12 @@ EXACT = Model("2/(0.5 s^0.7 + 1)").frequency_response(OMEGA)
 
 def same_as_command_line(found, result):
     assert [p["name"] for p in found["parameters"]] == list(result.parameters)
-    assert [p["value"] for p in found["parameters"]] == list(result.parameters.values())
+    # Compiled twice, and some compilers fuse products and sums into one rounding: some of the last bits.
+    same = functools.partial(np.testing.assert_allclose, rtol=1e-13)
+    same([p["value"] for p in found["parameters"]], list(result.parameters.values()))
     # JSON knows neither NaN nor infinity: where there is no interval both its ends are null, and an open end is.
-    assert [p["ci95"][0] for p in found["parameters"]] == [low if np.isfinite(low) else None for low, _ in result.ci95.values()]
+    ends = np.array([p["ci95"][0] for p in found["parameters"]], dtype=float)
+    same(ends, [low if np.isfinite(low) else np.nan for low, _ in result.ci95.values()])
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +38,7 @@ def cell():
     return fracfit.fit(fracfit.read(CELL), CIRCUIT)
 
 
-def test_bits_of_the_command_line(cell):
+def test_numbers_of_the_command_line(cell):
     same_as_command_line(command_line.json_of("fit", CELL, "--model", CIRCUIT, "--component", "both"), cell)
     plain = fracfit.fit(fracfit.read(CELL, where="f<1"), "cole-cole", component="imaginary", weight="absolute", seed=3)
     found = command_line.json_of(

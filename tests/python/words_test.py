@@ -142,7 +142,8 @@ def test_receptances_under_a_sine_force():
     omega = [15.0, 22.0, 30.0]
     theirs = command_line.columns_of("simulate", *GIVEN, "--omega", "15,22,30", "--load-receptance", "1/(s^2 + 2 s)")
     ours = fracfit.describing_function(omega, **SCENE, load_receptance="1/(s^2 + 2 s)")
-    assert ours.response.real.tolist() == theirs["re_m_per_n"]
+    # Compiled twice, and some compilers fuse products and sums into one rounding: some of the last bits.
+    np.testing.assert_allclose(ours.response.real, theirs["re_m_per_n"], rtol=1e-13)
     assert ours.regime.tolist() == theirs["regime"]
     # That of a free mass is the mass: the same orbits, by another way.
     free = fracfit.describing_function(omega, **SCENE, protocol="two-impact")
@@ -155,7 +156,7 @@ def test_receptances_under_a_sine_force():
         "--load-receptance", "1/(s^2 + 2 s)",
     )
     ours = fracfit.describing_function(omega, force=40, clearance=0.3, load_receptance="1/(s^2 + 2 s)", **contact)
-    assert ours.response.imag.tolist() == theirs["im_m_per_n"]
+    np.testing.assert_allclose(ours.response.imag, theirs["im_m_per_n"], rtol=1e-13)
     with pytest.raises(ValueError, match="mass1 does not go with load_receptance"):
         fracfit.describing_function(omega, **SCENE, mass1=2.0, load_receptance="1/s^2")
 

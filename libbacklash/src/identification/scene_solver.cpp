@@ -93,6 +93,7 @@ class Solver {
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
       if (round > rounds_that_differ() && settled(before) && moved_ < (follows_orbits() ? near_step : settled_step)) {
+        if (finds_more_motions(round)) continue;
         // There a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
         result.converged = least_squares_converged_ || follows_orbits();
         break;
@@ -120,6 +121,15 @@ class Solver {
       if (choices_[i].used && choices_[i].kind != before[i].kind) return false;
     }
     return true;
+  }
+
+  // Motions with friction that were given up on the way may exist at its end.
+  bool finds_more_motions(int round) {
+    if (!has_friction()) return false;
+    const std::vector<PointChoice> before = choices_;
+    std::fill(attempts_.begin(), attempts_.end(), 0);
+    choose(round);
+    return !settled(before);
   }
 
   // Takes the candidate when it lies nearer to the data than what is there.
