@@ -42,32 +42,33 @@ Spread even_spread(const Eigen::ArrayXcd& x, double width) {
 }
 
 /// The mean of v(u) over normal u by the trapezoidal rule of step h.  Its error is exp(-2 pi d/h + d^2/(2 w^2)) for
-/// each d within which the integrand has no pole, here pi/2, and thus below 1e-9.
-Spread normal_spread(const Eigen::ArrayXcd& x, double width) {
+/// each d within which the integrand has no pole, here pi/2, and thus below 1e-9.  With x = i y, z = y e^u and
+/// r = 1/(1 + z^2) it is v = r (1 - i z), and v (v - 1) = -r^2 (2 z^2 + i z (1 - z^2)).
+Spread normal_spread(const Eigen::ArrayXd& y, double width) {
   constexpr double deviations = 7, pole_step = 0.3, density_step = 0.85;
   const double step = std::min(pole_step, density_step * width);
   const int half = static_cast<int>(std::ceil(deviations * width / step));
-  const Index points = x.size();
-  Spread spread{Eigen::ArrayXcd::Zero(points), Eigen::ArrayXcd::Zero(points), Eigen::ArrayXcd::Zero(points)};
+  Spread spread{Eigen::ArrayXcd::Zero(y.size()), Eigen::ArrayXcd::Zero(y.size()), Eigen::ArrayXcd::Zero(y.size())};
   double total = 0;
+  for (int k = -half; k <= half; ++k) total += std::exp(-0.5 * std::pow(k * step / width, 2));
   for (int k = -half; k <= half; ++k) {
-    const double u = k * step, weight = std::exp(-0.5 * u * u / (width * width));
-    const Eigen::ArrayXcd value = 1.0 / (1.0 + x * std::exp(u)), change = weight * value * (value - 1.0);
-    total += weight;
-    spread.value += weight * value;
-    spread.by_size += change;
-    spread.by_width += u * change;
+    const double u = k * step, weight = std::exp(-0.5 * std::pow(u / width, 2)) / total;
+    const double size = std::exp(std::min(u, 300.0));  // v is nothing from there on, and z^2 not infinite
+    for (Index i = 0; i < y.size(); ++i) {
+      const double z = y(i) * size, share = weight / (1 + z * z), steep = -share * z / (1 + z * z);
+      const Complex change(2 * z * steep, steep * (1 - z * z));
+      spread.value(i) += Complex(share, -z * share);
+      spread.by_size(i) += change;
+      spread.by_width(i) += u * change;
+    }
   }
-  spread.value /= total;
-  spread.by_size /= total;
-  spread.by_width /= total;
   return spread;
 }
 
 Spread spread_of(const Term& term, const ProjectedData& data) {
   const double width = std::exp(term.log_width);
   const Eigen::ArrayXcd x = scaled(term, data);
-  return term.kind == Term::Kind::even_spread ? even_spread(x, width) : normal_spread(x, width);
+  return term.kind == Term::Kind::even_spread ? even_spread(x, width) : normal_spread(x.imag(), width);
 }
 
 /// x^q + x^2
