@@ -59,6 +59,21 @@ frac::detail::TermProblem exact_problem(Term::Kind kind, double width) {
   return {data, frac::detail::residual_rule(data, both_parts())};
 }
 
+// Spread over 400 e-folds, more than any data do: v is a step of 1 and, times -i, a hill of area pi/2 at z = 1, to the
+// second order in 1/width; in the third the step adds (pi^2/24) |ln z| density, 1e-8 here.
+TEST(SpreadLags, OfAllTimesAreAStepAndAHill) {
+  const double width = 400;
+  const frac::detail::TermProblem problem = exact_problem(Term::Kind::normal_spread, 1);
+  const Eigen::MatrixXcd columns =
+      problem.columns({{.kind = Term::Kind::normal_spread, .held = true, .log_width = std::log(width)}});
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const double place = -std::log(problem.s()[i].imag()) / width;
+    const double density = std::exp(-0.5 * place * place) / (width * std::sqrt(2 * std::numbers::pi));
+    const Complex expected(0.5 * std::erfc(-place / std::numbers::sqrt2), -0.5 * std::numbers::pi * density);
+    EXPECT_LT(std::abs(columns(i, 0) - expected), 1e-7) << problem.s()[i];
+  }
+}
+
 // The trapezoidal rule promises 1e-9, quadrature 1e-12.
 TEST(SpreadLags, AreTheMeansOfLags) {
   for (const Term::Kind kind : kinds) {
