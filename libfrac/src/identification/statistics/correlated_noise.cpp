@@ -2,8 +2,7 @@
 #include "correlated_noise.hpp"
 
 #include <algorithm>
-#include <boost/math/constants/constants.hpp>
-#include <boost/math/tools/minima.hpp>
+#include <boost/math/interpolators/cardinal_cubic_b_spline.hpp>
 #include <cmath>
 
 #include "base/linear_algebra.hpp"
@@ -29,26 +28,26 @@ double variance_under(double r, const Eigen::VectorXd& influence, std::size_t pe
   return sum;
 }
 
-/// Probabilities beforehand.  With these, intervals hold 96 to 98 % in white noise and 84 to 97 % beside a smooth error
-/// of 0.3 to 3 % (interval_coverage smooth, 40 and 200 points, a fresh seed).  With equal ones it is 99 %, and 83 to 98
-/// %: what is missing is the part of the error that the parameters take, of which residuals tell nothing.
-constexpr double of_white = 0.6, of_first_order = 0.3, of_smooth = 0.1;
-
 }  // namespace
 
-CorrelatedNoise::CorrelatedNoise(std::span<const double> residual, const Eigen::MatrixXd& columns,
+CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen::MatrixXd& columns,
                                  const ResidualAxis& axis)
     : per_point_(axis.per_point) {
-  double square = 0;
-  for (const double each : residual) square += each * each;
+  // Of size 1: those of exact data are as small as the errors by which they are orthogonal to the columns.
+  Eigen::VectorXd scaled = Eigen::Map<const Eigen::VectorXd>(residuals.data(), std::ssize(residuals));
+  const double size = scaled.size() > 0 ? scaled.lpNorm<Eigen::Infinity>() : 0;
+  if (!(size > 0) || !std::isfinite(size)) return;
+  scaled /= size;
+  const std::span<const double> residual(scaled.data(), residuals.size());
+  const double square = scaled.squaredNorm();
   const Eigen::MatrixXd basis = PivotedQr(columns).basis();
   const double degrees = static_cast<double>(residual.size()) - static_cast<double>(basis.cols());
   constexpr double fewest_degrees = 4;
-  if (!(degrees >= fewest_degrees) || !(square > 0) || residual.size() < 4 * per_point_) return;
+  if (!(degrees >= fewest_degrees) || residual.size() < 4 * per_point_) return;
 
   // Logarithms of probabilities at first, all of the same likelihood.
   const double white_variance = square / degrees;
-  possibilities_.push_back({std::log(of_white) - 0.5 * degrees * std::log(square), 1, 0});
+  possibilities_.push_back({-0.5 * degrees * std::log(square), 1, 0});
   add_first_order(residual, basis, white_variance);
   if (!axis.position.empty() && axis.position.back() > axis.position.front()) {
     smooth_.emplace(residual, basis, axis);
@@ -65,7 +64,7 @@ CorrelatedNoise::CorrelatedNoise(std::span<const double> residual, const Eigen::
     if (each.share > 0) smooth_chance_ += each.probability;
     smooth_square += each.probability * each.share * each.variance * white_variance;
   }
-  smooth_error_ = std::sqrt(smooth_square);
+  smooth_error_ = size * std::sqrt(smooth_square);
 }
 
 void CorrelatedNoise::add_first_order(std::span<const double> residual, const Eigen::MatrixXd& basis,
@@ -88,39 +87,41 @@ void CorrelatedNoise::add_first_order(std::span<const double> residual, const Ei
     const double r = std::tanh(first + (i + 0.5) * step);
     const RestrictedLikelihood::Value value = likelihood.at(r);
     const double slab = (1 - r * r) * step / most_correlation;  // dr for dz
-    possibilities_.push_back(
-        {std::log(of_first_order * slab) + value.logarithm, value.innovation / (1 - r * r) / white_variance, r});
+    possibilities_.push_back({std::log(slab) + value.logarithm, value.innovation / (1 - r * r) / white_variance, r});
   }
 }
 
 void CorrelatedNoise::add_smooth(double white_variance) {
   constexpr int lengths = 5;
-  // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error.
-  constexpr double least = -7, most = 14;
-  constexpr int bits = 6;  // of the logarithm of the most likely share: a tenth of the least width of its peak
+  // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error. The
+  // likelihood is a sum of functions of it that change over 1, which a spline follows.
+  constexpr int least = -7, most = 14, refined = 8;
   const double ratio = std::log(smooth_->longest() / smooth_->shortest()) / (lengths - 1);
   for (int i = 0; i < lengths; ++i) {
     const double length = smooth_->shortest() * std::exp(i * ratio);
     const auto share_of = [](double logit) { return 1 / (1 + std::exp(-logit)); };
-    // With dh = h (1 - h) d logit, which makes the peak an inner one.
-    const auto minus_logarithm = [&](double logit) {
-      const double share = share_of(logit);
-      return -smooth_->at(share, length).logarithm - std::log(share * (1 - share));
-    };
-    const auto [peak, value] = boost::math::tools::brent_find_minima(minus_logarithm, least, most, bits);
-    constexpr double aside = 0.3;
-    const double curvature =
-        (minus_logarithm(peak + aside) + minus_logarithm(peak - aside) - 2 * value) / (aside * aside);
-    // That of h (1 - h) alone is 2 h (1 - h), which a likelihood that tells nothing leaves: 1/2 at its own peak.
-    const double width = 1 / std::sqrt(std::max(curvature, 0.25));
-    // Gauss and Hermite's rule of three points.
-    for (const auto& [place, weight] :
-         {std::pair{-std::sqrt(3.0), 1.0 / 6}, {0.0, 2.0 / 3}, {std::sqrt(3.0), 1.0 / 6}}) {
-      const double share = share_of(peak + place * width);
-      const double mass = of_smooth / lengths * weight * width * boost::math::constants::root_two_pi<double>();
-      possibilities_.push_back(
-          {std::log(mass) - value, smooth_->at(share, length).variance / white_variance, 0, share, length});
+    std::vector<double> logarithms, variances;
+    for (int logit = least; logit <= most; ++logit) {
+      const SmoothError::Likelihood found = smooth_->at(share_of(logit), length);
+      logarithms.push_back(found.logarithm);
+      variances.push_back(std::log(found.variance / white_variance));
     }
+    // Residuals that lie among the columns to rounding tell nothing.
+    if (!std::all_of(logarithms.begin(), logarithms.end(), [](double each) { return std::isfinite(each); })) return;
+    using Spline = boost::math::interpolators::cardinal_cubic_b_spline<double>;
+    const Spline logarithm(logarithms.begin(), logarithms.end(), least, 1.0);
+    const Spline variance(variances.begin(), variances.end(), least, 1.0);
+    const double highest = *std::max_element(logarithms.begin(), logarithms.end());
+    double mass = 0, whole = 0, smooth = 0;
+    const int places = (most - least) * refined;
+    for (int k = 0; k < places; ++k) {
+      const double logit = least + (k + 0.5) / refined;
+      const double each = std::exp(logarithm(logit) - highest), weighed = each * std::exp(variance(logit));
+      mass += each;
+      whole += weighed;
+      smooth += weighed * share_of(logit);
+    }
+    possibilities_.push_back({highest + std::log(mass / (places * lengths)), whole / mass, 0, smooth / whole, length});
   }
 }
 

@@ -13,19 +13,20 @@ namespace frac::detail {
 /// How residuals of a least-squares fit follow each other, and what that does to the errors of the estimates.
 ///
 /// One of three is true: the noise is white; or it is of first order, e_i = r e_(i-1) + white with 0 < r < 1, every r
-/// alike beforehand; or it is white beside a smooth error (SmoothError), every share of the variance alike, and every
-/// length of it alike in its logarithm.  The likelihood is that of the residuals with the fitted columns integrated out
-/// (restricted likelihood), so that the share of the noise the parameters have taken does not hide the others.  Nothing
-/// is decided between the three: variances are averaged with the probabilities that the residuals give to each, so that
-/// little is added where neighbours are unrelated, and what the residuals leave open is counted.
+/// alike beforehand; or it is white beside a smooth error (SmoothError), every ratio of its variance to that of the
+/// noise and every length of it alike in its logarithm.  The three are alike beforehand too.  The likelihood is that of
+/// the residuals with the fitted columns integrated out (restricted likelihood), so that the share of the noise the
+/// parameters have taken does not hide the others.  Nothing is decided between the three: variances are averaged with
+/// the probabilities that the residuals give to each, so that little is added where neighbours are unrelated, and what
+/// the residuals leave open is counted.
 class CorrelatedNoise {
  public:
   /// White noise, for results that have no residuals to tell.
   CorrelatedNoise() = default;
-  /// @param residual  as left by least squares
+  /// @param residuals  as left by least squares
   /// @param columns   span of what was fitted: count x parameters
   /// @param axis      without positions there is no smooth error to think of
-  CorrelatedNoise(std::span<const double> residual, const Eigen::MatrixXd& columns, const ResidualAxis& axis);
+  CorrelatedNoise(std::span<const double> residuals, const Eigen::MatrixXd& columns, const ResidualAxis& axis);
 
   /// Mean of r over its probabilities, without correlation counting as 0.
   [[nodiscard]] double correlation() const noexcept { return correlation_; }
@@ -42,7 +43,7 @@ class CorrelatedNoise {
     double probability;
     double variance;               // of one value, over that of white noise told from the same residuals
     double correlation;            // of first order
-    double share = 0, length = 0;  // of a smooth error
+    double share = 0, length = 0;  // of a smooth error: its part of that variance, on the mean over its sizes
   };
   void add_first_order(std::span<const double> residual, const Eigen::MatrixXd& basis, double white_variance);
   void add_smooth(double white_variance);
