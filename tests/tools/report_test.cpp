@@ -433,7 +433,15 @@ TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
     EXPECT_GT(parameter.at("ci95_upper").get<double>(), parameter.at("value").get<double>());
   }
 
-  const std::string changed = FileReport("arc.csv", arc_csv(), Field::transfer_function).script();
+  // Beside it the relaxation times, with units.
+  const std::string times = content_of(report.path("figures/data-1-times.gp"));
+  EXPECT_NE(times.find("set xlabel 'τ in s'"), std::string::npos);
+  EXPECT_NE(times.find("set ylabel 'density per e-fold in Ω'"), std::string::npos);
+  EXPECT_NE(page.find("<figure id=\"figure-data-1-times\""), std::string::npos);
+
+  const FileReport of_other_field("arc.csv", arc_csv(), Field::transfer_function);
+  EXPECT_FALSE(fs::exists(of_other_field.path("figures/data-1-times.gp")));
+  const std::string changed = of_other_field.script();
   EXPECT_EQ(changed.find("Nyquist"), std::string::npos);
   EXPECT_NE(changed.find("dB re 1 Ω"), std::string::npos);
 }
