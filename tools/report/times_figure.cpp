@@ -25,6 +25,15 @@ void add_times(const std::string& label, std::size_t colour, const frac::TimesDi
         make_curve(label + ", areas of lines", category_colour(colour), Mark::open_points, tau, area));
 }
 
+frac::TimesDistribution within_band(frac::TimesDistribution times, const frac::FrequencyResponseData& data) {
+  const auto first = std::lower_bound(times.tau.begin(), times.tau.end(), 1 / data.omega().back());
+  const auto last = std::upper_bound(first, times.tau.end(), 1 / data.omega().front());
+  const auto from = first - times.tau.begin(), to = last - times.tau.begin();
+  for (auto* each : {&times.tau, &times.density, &times.lower, &times.upper})
+    if (!each->empty()) *each = {each->begin() + from, each->begin() + to};
+  return times;
+}
+
 void make_room_for_ranges(Panel& panel) {
   double summit = 0, upper = 0;
   for (const Curve& curve : panel.curves)
@@ -44,7 +53,7 @@ std::optional<Figure> times_figure(const std::string& name, const frac::Frequenc
   if (!times.follows_data()) return std::nullopt;
   Panel panel{"Relaxation times", {"τ in s", true}, {with_unit("density per e-fold", unit)}};
   panel.key = true;
-  add_times("data", 0, times, true, panel);
+  add_times("data", 0, within_band(times, data), true, panel);
   make_room_for_ranges(panel);
   return Figure{name, prose("data", "times"), {std::move(panel)}};
 }

@@ -13,6 +13,10 @@ namespace report {
 /// Density over the time, areas of lines as points, and the range where the distribution has one.
 void add_times(const std::string& label, std::size_t colour, const frac::TimesDistribution& times, bool with_range,
                Panel& panel);
+/// The times within the band of the data.  What is drawn beyond is the prior's: the data do not tell a faster density
+/// from the constant, nor a slower one from the elastance.
+[[nodiscard]] frac::TimesDistribution within_band(frac::TimesDistribution times,
+                                                  const frac::FrequencyResponseData& data);
 /// Extends the axis so that ranges stay in the picture, up to twice the highest summit.
 void make_room_for_ranges(Panel& panel);
 

@@ -231,7 +231,8 @@ class Drt : public Command {
       add_rows(source, times, lists);
       unit = file.value_unit;
       // More than two ranges hide each other.
-      report::add_times(one ? "data" : report::enhanced_escape(source), i, times, data_.size() < 3, panel);
+      report::add_times(one ? "data" : report::enhanced_escape(source), i, report::within_band(times, file.data),
+                        data_.size() < 3, panel);
       if (!one) continue;
       for (const auto& [name, value, lower, upper] :
            {std::tuple{"constant", times.constant, times.constant_lower, times.constant_upper},
