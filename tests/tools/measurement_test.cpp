@@ -644,6 +644,15 @@ TEST_F(MeasurementTest, NamesInOtherLetters) {
 }
 
 TEST_F(MeasurementTest, AUnitMayFollowItsNameWithoutAMark) {
+  for (const std::string names : {"f/Hz,re/ohm,im/ohm", "Real/Ohm,f_Hz,Imag/Ohm"}) {
+    SCOPED_TRACE(names);
+    const bool in_order = names.starts_with('f');
+    const auto file = read(names + (in_order ? "\n10,1.5,-2.5\n" : "\n1.5,10,-2.5\n"));
+    EXPECT_EQ(file.data.value().front(), 1.5 - 2.5i);
+    EXPECT_EQ(file.data.omega().front(), turn * 10);
+    EXPECT_EQ(file.value_unit, in_order ? "ohm" : "Ohm");
+  }
+  EXPECT_EQ(read("f_Hz,re_m/N,im_m/N\n10,1.5,-2.5\n").value_unit, "m/N");
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   const std::string rows = "10,1.5,-2.5\n20,3,4\n";
   expect("FreqHz,ZrealOhm,ZimagOhm\n" + rows, "table, 2 points, ZrealOhm/ZimagOhm in ohm", points);
