@@ -507,6 +507,98 @@ TEST_F(MeasurementTest, TablesOfAnyProgram) {
   refuses("f_Hz;re;im\n10;1.500,5;-2,5\n", "expected a number");
 }
 
+// Heads as older programs of Scribner write them, with the names within one pair of quotes and rows in other
+// separators.
+TEST_F(MeasurementTest, ZViewWithoutEndOfComments) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {1000, 3.0 + 4i}};
+  const std::string names = "\"  Freq(Hz)    Ampl     Bias   Time(Sec)   Z'(a)    Z''(b)    GD   Err   Range\"\n";
+  const std::string head =
+      "\"ZPlotW Data File: Version 3.2c\"\n\"Raw Data\"\nDate: 1-2-2019    Time: 16:24:35\n"
+      "1.7 sccm, 1.50 sccm, 800 C\n\"Frequency\"\n0,3,0,1,300000,0.005\n2\n";
+  expect(head + names + "1000, 1E-2, 0, 2.5, 3, 4, 0, 0, 5\n10, 1E-2, 0, 3, 1.5, -2.5, 0, 0, 5\n",
+         "ZView, 2 points, Z'/Z'' in ohm", points);
+  expect(
+      "\"Z60W Data File: Version 1.1\"\n\"\"\n0,2,0,1,0.1,10000\n2\n"
+      "\"  Freq (Hz)    Ampl     Bias   Time(Sec)   Z'(a)    Z''(b)    GD   Err   Range\"\n"
+      "1000,0,0,0,3,4,0,0,0\n10,0,0,0,1.5,-2.5,0,0,0\n",
+      "ZView, 2 points, Z'/Z'' in ohm", points);
+  expect("\"ZView Calculated Data File: Version 1.1\"\n0,2,0\n2\n" + names +
+             "1000\t0\t0\t0\t3\t4\t0\t 0\t0\n10\t0\t0\t0\t1.5\t-2.5\t0\t 0\t0\n\n\n",
+         "ZView, 2 points, Z'/Z'' in ohm", points);
+  // Lines of settings stand above; each is by itself, so that none of them is a table.
+  expect(head + names + "1000, 1E-2, 0, 2.5, 3, 4, 0, 0, 5\n10, 1E-2, 0, 3, 1.5, -2.5, 0, 0, 5\n", "table, 2 points",
+         points, {"f=1,re=5,im=6", "", ""});
+}
+
+TEST_F(MeasurementTest, FieldsInQuotesMayHoldSeparators) {
+  const std::vector<Point> points{{10 / turn, 1.5 - 2.5i}, {20 / turn, 3.0 + 4i}};
+  expect(
+      "No.,\"Angular Frequency [rad/s]\",Storage Modulus [Pa],Loss Modulus [Pa],Status\n"
+      "1,10,1.5,-2.5,\"ME-,taD\"\n2,20,3,4,taD\n",
+      "table, 2 points, Storage Modulus/Loss Modulus in Pa", points);
+}
+
+// Steps of a rheometer, as TRIOS writes them in two ways: those all at one frequency are no frequency response.
+TEST_F(MeasurementTest, TablesBelowOneAnotherAreSweeps) {
+  const std::vector<Point> points{{10 / turn, 1.5 + 2.5i}, {20 / turn, 3.0 + 4i}};
+  const std::string names = "Angular frequency\tStep time\tLoss modulus\tStorage modulus\nrad/s\tmin\tPa\tPa\n";
+  const std::string amplitude = "[step]\nAmplitude sweep - 1\n" + names + "6\t1\t2\t3\n6\t2\t4\t5\n6\t3\t6\t7\n\n";
+  const std::string flow = "[step]\nFlow sweep - 2\nStress\tViscosity\nPa\tPa.s\n1\t2\n3\t4\n\n";
+  const std::string sweep = "[step]\nFrequency sweep - 3\n" + names + "20\t1\t4\t3\n10\t2\t2.5\t1.5\n\n";
+  const std::string head =
+      "Filename\tA\nProcedure name\tFrequency sweep\n\tFlow sweep\n[File Parameters]\nFlow limit\t1 rad/s\n";
+  const char* const what = "table, 2 points, Storage modulus/Loss modulus in Pa";
+  expect(head + amplitude + flow + sweep, what, points);
+  expect(head + sweep + flow, what, points);
+  EXPECT_EQ(labels(head + sweep + flow + sweep),
+            (std::vector<std::string>{"Frequency sweep - 3", "Frequency sweep - 3-2"}));
+  refuses(head + sweep + flow + sweep, "take one by --select");
+  expect(head + amplitude + sweep, "table, 2 points", points, {"omega=1,re=4,im=3", "", ""});
+  refuses(head + amplitude + flow, "a sweep of the amplitude or of time is no frequency response");
+  EXPECT_EQ(read(head + amplitude + sweep, {"", "", "Frequency sweep - 3"}).data.size(), 2U);
+  expect(
+      "[Version]\nTA Instruments LIMS export format version\t0\n[Step]\nStep name\tFrequency sweep (150.0)\nNumber of "
+      "points\t2\nVariables\tRun time\tAngular frequency\tStorage modulus\tLoss modulus\tStatus\nUnits\ts\trad/s\tPa"
+      "\tPa\t\nData point\t9\t10\t1.5\t2.5\t0xB\nData point\t12\t20\t3\t4\t\n",
+      what, points);
+  // A row that is wrong is no end of a table.
+  refuses("x\n\n" + names + "10\t1\t2\t3\n\n20\t1\t2\n30\t1\t2\t3\n", "found 3 fields");
+  refuses("x\n\n" + names + "10\t1\t2\t3\nfour\n30\t1\t2\t3\n", "found 1 field");
+}
+
+// Steps of another kind leave frequency and moduli empty, as in rSpace.
+TEST_F(MeasurementTest, RowsOfOtherStepsAreLeftOut) {
+  const std::string head =
+      "Action Name;Shear stress(Pa);Frequency(Hz);Shear modulus (elastic component)(Pa);"
+      "Shear modulus (viscous component)(Pa)\nPre Shear;30,5;;;\nPre Shear;52,8;;;\n";
+  expect(head + "Sweep;1,2;10;1,5;2,5\nSweep;1,3;20;3;4\n", "table, 2 points, Shear modulus/Shear modulus in Pa",
+         {{10, 1.5 + 2.5i}, {20, 3.0 + 4i}});
+  refuses(head, "holds no point at a frequency above 0");
+}
+
+TEST_F(MeasurementTest, TheNumberOfRowsMayStandBelowTheNames) {
+  expect(" f/Hz \t Z'/Ohm \t -Z''/Ohm \t time/s \t\n 2 \n 10\t 1.5\t 2.5\t 1\t\n 20\t 3\t -4\t 2\t\n",
+         "table, 2 points, Z'/-Z'' in ohm", {{10, 1.5 - 2.5i}, {20, 3.0 + 4i}});
+}
+
+// A column named Im that holds -Im is read by a phase beside it, whatever its unit; an angle near 0 tells nothing.
+TEST_F(MeasurementTest, AnImaginaryPartAndAPhaseHaveOneSign) {
+  refuses("f/Hz,Z_re,Z_img,Phase_E\n10,3,4,-0.927\n20,3,5,-1.03\n",
+          "column 'Z_img' has the other sign than column 'Phase_E'");
+  refuses("f/Hz,Z'/ohm,Z''/ohm,phase/deg\n10,3,4,-53\n20,3,0.001,0\n", "expected --columns with im=3 or -im=3");
+  expect("f/Hz,Z_re,Z_img,Phase_E\n10,3,4,-0.927\n", "table, 1 point", {{10, 3.0 - 4i}}, {"f=1,re=2,-im=3", "", ""});
+  expect("f/Hz,Z'/ohm,-Z''/ohm,-phase/deg\n10,3,4,53\n", "table, 1 point, Z'/-Z'' in ohm", {{10, 3.0 - 4i}});
+  expect("f/Hz,Z'/ohm,Z''/ohm,phase/deg\n10,3,4,53\n20,3,0.001,-0.01\n", "table, 2 points, Z'/Z'' in ohm",
+         {{10, 3.0 + 4i}, {20, 3.0 + 0.001i}});
+  expect("f/Hz,G'/Pa,G''/Pa,phase/deg\n10,3,4,-53\n", "table, 1 point, G'/G'' in Pa", {{10, 3.0 + 4i}});
+}
+
+TEST_F(MeasurementTest, ASmallEIsEpsilonUnlessItHasAPressure) {
+  expect("w e' e''\n10 5 0.25\n", "table, 1 point, e'/e''", {{10 / turn, 5.0 - .25i}});
+  expect("f_Hz,E',E''\n10,5,0.25\n", "table, 1 point, E'/E''", {{10, 5.0 + .25i}});
+  expect("f_Hz,e' (MPa),e'' (MPa)\n10,5,0.25\n", "table, 1 point, e'/e'' in MPa", {{10, 5.0 + .25i}});
+}
+
 TEST_F(MeasurementTest, NamesInOtherLanguages) {
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   expect("Frequenz / Hz;Z' / Ohm;-Z'' / Ohm\n10;1,5;2,5\n20;3;-4\n", "table, 2 points, Z'/-Z'' in ohm", points);
@@ -552,6 +644,15 @@ TEST_F(MeasurementTest, NamesInOtherLetters) {
 }
 
 TEST_F(MeasurementTest, AUnitMayFollowItsNameWithoutAMark) {
+  for (const std::string names : {"f/Hz,re/ohm,im/ohm", "Real/Ohm,f_Hz,Imag/Ohm"}) {
+    SCOPED_TRACE(names);
+    const bool in_order = names.starts_with('f');
+    const auto file = read(names + (in_order ? "\n10,1.5,-2.5\n" : "\n1.5,10,-2.5\n"));
+    EXPECT_EQ(file.data.value().front(), 1.5 - 2.5i);
+    EXPECT_EQ(file.data.omega().front(), turn * 10);
+    EXPECT_EQ(file.value_unit, in_order ? "ohm" : "Ohm");
+  }
+  EXPECT_EQ(read("f_Hz,re_m/N,im_m/N\n10,1.5,-2.5\n").value_unit, "m/N");
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   const std::string rows = "10,1.5,-2.5\n20,3,4\n";
   expect("FreqHz,ZrealOhm,ZimagOhm\n" + rows, "table, 2 points, ZrealOhm/ZimagOhm in ohm", points);
@@ -762,6 +863,9 @@ TEST_F(MeasurementTest, ColumnsToldByTheCallerAreChecked) {
   EXPECT_THROW((void)io::columns_told("frequency=1"), std::invalid_argument);
   EXPECT_THROW((void)io::columns_told("f=0"), std::invalid_argument);
   refuses("f_Hz,re,im\n1,2,3\n", "has no column '7'", {"f=1,re=2,im=7", "", ""});
+  // f counts turns, as it does where a file names it so.
+  expect("10,1.5,-2.5\n20,3,4\n", "table, 2 points", {{10, 1.5 - 2.5i}, {20, 3.0 + 4i}}, {"f=1,re=2,im=3", "", ""});
+  expect("10,1.5,-2.5\n", "table, 1 point", {{10 / turn, 1.5 - 2.5i}}, {"omega=1,re=2,im=3", "", ""});
 }
 
 // The files are those of other projects and no part of this one; their expected points are read off by people.
@@ -869,6 +973,7 @@ TEST_F(MeasurementTest, BinaryFilesOfOtherProgramsSayHowToExport) {
         {zeros.substr(0, 16) + "\xFB\0\0\0\r\0Version=11"s + zeros, "(.idf)"s},
         {session, "(.pssession)"s},
         {"\xFF\xFE" + session, "(.pssession)"s},
+        {"version8.0\r\n 2\r\n 0\r\n 1000\r\n"s, "(.dfr)"s},
         {"TDSm" + zeros, "TDMS"s},
         {"\x89HDF\r\n\x1A\n" + zeros, "is an HDF5 file"s},
         {"\xD0\xCF\x11\xE0" + zeros, "(.xls)"s}})

@@ -433,7 +433,27 @@ TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
     EXPECT_GT(parameter.at("ci95_upper").get<double>(), parameter.at("value").get<double>());
   }
 
-  const std::string changed = FileReport("arc.csv", arc_csv(), Field::transfer_function).script();
+  // Beside it the relaxation times, with units.
+  const std::string times = content_of(report.path("figures/data-1-times.gp"));
+  EXPECT_NE(times.find("set xlabel 'τ in s'"), std::string::npos);
+  EXPECT_NE(times.find("set ylabel 'density per e-fold in Ω'"), std::string::npos);
+  EXPECT_NE(page.find("<figure id=\"figure-data-1-times\""), std::string::npos);
+  // Within the band alone: what is faster than 100 Hz or slower than 0.01 Hz the data do not tell.
+  std::istringstream lines(times);
+  int drawn_times = 0;
+  for (std::string line; std::getline(lines, line);) {
+    double tau = 0, density = 0;
+    char more = 0;
+    if (std::sscanf(line.c_str(), "%lf %lf%c", &tau, &density, &more) < 2) continue;
+    EXPECT_GE(tau, 1 / (2 * std::numbers::pi * 100) * (1 - 1e-8)) << line;  // written with nine digits
+    EXPECT_LE(tau, 1 / (2 * std::numbers::pi * 0.01) * (1 + 1e-8)) << line;
+    ++drawn_times;
+  }
+  EXPECT_GT(drawn_times, 40);  // twelve in each of four decades
+
+  const FileReport of_other_field("arc.csv", arc_csv(), Field::transfer_function);
+  EXPECT_FALSE(fs::exists(of_other_field.path("figures/data-1-times.gp")));
+  const std::string changed = of_other_field.script();
   EXPECT_EQ(changed.find("Nyquist"), std::string::npos);
   EXPECT_NE(changed.find("dB re 1 Ω"), std::string::npos);
 }

@@ -124,6 +124,12 @@ std::optional<NamedBase> find_base(std::string_view name) {
       if (split->base == base.name) return NamedBase{base, split->unit};
     return std::nullopt;
   }
+  // "re/ohm"; in "re_m/N" the slash belongs to the unit.
+  if (const auto slash = name.find('/'); slash != std::string_view::npos) {
+    const auto [before, unit] = normalised(name.substr(0, slash), name.substr(slash + 1));
+    for (const auto& base : bases)
+      if (before == base.name) return NamedBase{base, unit};
+  }
   const auto [joined, unused] = normalised(name, {});
   for (const auto& base : bases) {
     if (joined == base.name) return NamedBase{base, {}};

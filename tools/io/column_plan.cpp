@@ -50,6 +50,7 @@ Planner::Planner(const TextTable& table, const std::string& label, const Measure
   if (!how.columns.empty()) {
     take_columns(how.columns);
     take_frequency_unit(how.frequency_unit);
+    take_hertz();
     return;
   }
   for (const auto& field : table.header()) {
@@ -201,7 +202,7 @@ std::size_t Planner::frequency_column() const {
   if (!found.empty()) fail_at(found.front(), meanings_[found.front()].problem);
   fail_missing(
       "frequency column",
-      "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like, or --columns f=1,re=2,im=3 with --frequency-unit");
+      "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like, or --columns f=1,re=2,im=3");
 }
 
 void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOptions& options) const {

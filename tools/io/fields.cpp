@@ -27,6 +27,24 @@ std::size_t word_from(std::string_view text, std::size_t place) {
   return place;
 }
 
+/// Where a field ends that begins here in double quotes, which may hold separators; the place itself where none does.
+std::size_t after_quotes(std::string_view line, std::size_t place, char separator) {
+  const std::size_t first = std::min(line.find_first_not_of(' ', place), line.size());
+  if (first == line.size() || line[first] != '"') return place;
+  for (std::size_t quote = line.find('"', first + 1); quote < line.size(); quote = line.find('"', quote + 1)) {
+    const std::size_t after = separator == ' ' ? quote + 1 : line.find_first_not_of(" \r", quote + 1);
+    if (after >= line.size() || line[after] == separator || (separator == ' ' && is_blank(line[after])))
+      return quote + 1;
+  }
+  return place;
+}
+
+/// "(Hz)" as against "(1.5)".
+bool is_unit_in_brackets(std::string_view word) {
+  return word.size() > 2 && (word.front() == '(' || word.front() == '[') &&
+         std::string_view("0123456789.+-").find(word[1]) == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -52,16 +70,21 @@ void split_by(std::string_view line, char separator, std::vector<std::string_vie
   fields.clear();
   if (separator == ' ') {
     for (line = trimmed(line); !line.empty();) {
-      const std::size_t end = blank_from(line, 0);
-      fields.push_back(unquoted(line.substr(0, end)));
+      const std::size_t end = blank_from(line, after_quotes(line, 0, separator));
+      if (!fields.empty() && is_unit_in_brackets(line.substr(0, end)))
+        fields.back() = {fields.back().data(), static_cast<std::size_t>(line.data() + end - fields.back().data())};
+      else
+        fields.push_back(unquoted(line.substr(0, end)));
       line.remove_prefix(word_from(line, end));
     }
     return;
   }
   // Character by character: fields are too short for a search to pay.
+  const bool has_quotes = line.find('"') != std::string_view::npos;
   const char* const end = line.data() + line.size();
   for (const char* begin = line.data();;) {
     const char* stop = begin;
+    if (has_quotes) stop = line.data() + after_quotes(line, static_cast<std::size_t>(begin - line.data()), separator);
     while (stop != end && *stop != separator) ++stop;
     fields.push_back(unquoted({begin, static_cast<std::size_t>(stop - begin)}));
     if (stop == end) return;
@@ -123,7 +146,7 @@ bool has_decimal_commas(const std::vector<std::string_view>& fields) {
     if (parse_number(field)) return false;
     std::string text(field);
     const auto comma = text.find(',');
-    if (comma == std::string::npos) return false;
+    if (comma == std::string::npos || comma + 1 == text.size()) return false;
     text[comma] = '.';
     return parse_number(text).has_value();
   });

@@ -15,7 +15,8 @@ namespace io {
 
 /// Tab, semicolon or comma, the first of them that the line holds; else a blank.
 [[nodiscard]] char separator_of(std::string_view line);
-/// The fields of a line, unquoted.  A blank as separator stands for any number of them.
+/// The fields of a line, unquoted; a separator within double quotes is none.  A blank as separator stands for any number
+/// of them, and a unit in brackets belongs to the name before it: "Freq (Hz)" is one field.
 void split_by(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
 /// Appends all words of a line as numbers.  Returns false, and appends nothing, if one is no finite number.

@@ -84,11 +84,12 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
                                   " holds no real part");
   const RowReader reader(table, plan, planner);
   OneScene scene(table);
+  SignsOfPhase signs(table, plan, planner);
 
   Points points;
   points.omega.reserve(table.row_estimate());
   points.value.reserve(table.row_estimate());
-  std::size_t rows = 0, at_rest = 0, without_inverse = 0;
+  std::size_t rows = 0, at_rest = 0, without_inverse = 0, empty = 0;
   // simulate and map write nan for -1/N where N is 0.
   const bool may_miss = find_value(table.metadata(), quantity_key) == to_string(backlash::Quantity::minus_inverse);
   table.for_each_row([&](const TextTable::Row& row) {
@@ -100,11 +101,17 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
       --rows;
       return;
     }
+    if (reader.is_empty(row)) {
+      ++empty;
+      --rows;
+      return;
+    }
     if (!reader.read(row, points)) {
       ++at_rest;
       --rows;
       return;
     }
+    signs.see(row, points.value.back());
     if (keeps(options.where, points.omega.back(), points.value.back())) {
       scene.check(row);
       return;
@@ -114,7 +121,11 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
     if (plan.spread) points.sigma.pop_back();
   });
   if (points.omega.empty()) fail_empty(table.file(), rows, options.where);
+  if (!is_of_instrument) signs.refuse_if_opposite();
   note_points_at_rest(at_rest, notes);
+  if (empty > 0)
+    notes.push_back(std::to_string(empty) + (empty == 1 ? " row" : " rows") +
+                    " left out whose frequency and value are empty");
   if (without_inverse > 0)
     notes.push_back(std::to_string(without_inverse) + (without_inverse == 1 ? " point" : " points") +
                     " without -1/N left out, as N is 0 there");

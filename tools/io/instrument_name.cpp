@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "io/data_error.hpp"
+
 namespace io {
 namespace {
 
@@ -45,7 +47,8 @@ std::string plain(std::string_view name) {
 
 // "re(z)" -> "rez": brackets around a quantity belong to the name, those around a unit do not.
 void open_brackets(std::string& name) {
-  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)", "(delta)"}) {
+  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)", "(delta)", "(elasticcomponent)",
+                                        "(viscouscomponent)", "(complexcomponent)"}) {
     const auto at = name.find(symbol);
     if (at == std::string::npos || at == 0) continue;
     name.replace(at, symbol.size(), symbol.substr(1, symbol.size() - 2));
@@ -66,7 +69,10 @@ constexpr std::array known{
     Known{"angularfrequency", Quantity::frequency, "w"}, Known{"angfrequency", Quantity::frequency, "w"},
     Known{"angfreq", Quantity::frequency, "w"}, Known{"zreal", Quantity::real, "z"}, Known{"zre", Quantity::real, "z"},
     Known{"rez", Quantity::real, "z"}, Known{"realz", Quantity::real, "z"}, Known{"z'", Quantity::real, "z"},
-    Known{"zimag", Quantity::imaginary, "z"}, Known{"zim", Quantity::imaginary, "z"},
+    Known{"zimag", Quantity::imaginary, "z"}, Known{"zimg", Quantity::imaginary, "z"},
+    Known{"datareal", Quantity::real}, Known{"dataimag", Quantity::imaginary}, Known{"theta-z", Quantity::phase, "z"},
+    Known{"shearmoduluselasticcomponent", Quantity::real, "g"},
+    Known{"shearmodulusviscouscomponent", Quantity::imaginary, "g"}, Known{"zim", Quantity::imaginary, "z"},
     Known{"imz", Quantity::imaginary, "z"}, Known{"imagz", Quantity::imaginary, "z"},
     Known{"z''", Quantity::imaginary, "z"}, Known{"|z|", Quantity::magnitude, "z"},
     Known{"zmod", Quantity::magnitude, "z"}, Known{"zmag", Quantity::magnitude, "z"},
@@ -268,6 +274,18 @@ std::optional<ColumnMeaning> instrument_column(std::string_view written) {
     return each.name == base && (each.needs_unit.empty() || unit.starts_with(each.needs_unit));
   });
   if (found == known.end()) return std::nullopt;
+  // A small letter without a unit of pressure stands for epsilon; of E' and E'' the modulus is written.
+  if (!is_negative && found->symbol == "e" && name.find('e') < name.find('\'') && !unit.ends_with("Pa") &&
+      base.starts_with("e'")) {
+    const Quantity part = found->quantity == Quantity::imaginary ? Quantity::negative_imaginary : found->quantity;
+    return ColumnMeaning{part,
+                         1,
+                         std::move(unit),
+                         {},
+                         "eps",
+                         false,
+                         "column " + quoted(name) + " is taken as a permittivity; a modulus is E' or has a unit"};
+  }
   // Names of the common kind are read by column_meaning(), unless a slash gives the unit, a dot shortens the name or it
   // is written in Greek.
   constexpr std::array<std::string_view, 9> common{"frequency",        "freq",         "f",       "omega", "w",

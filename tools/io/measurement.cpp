@@ -19,11 +19,11 @@ namespace {
 constexpr std::array<std::string_view, 11> keys{
     "f", "omega", "re", "im", "-im", "magnitude", "magnitude_db", "phase_deg", "phase_rad", "sigma", "weight"};
 
-std::size_t columns_needed(const MeasurementOptions& how) {
-  std::size_t most = 0;
+std::vector<std::size_t> columns_with_numbers(const MeasurementOptions& how) {
+  std::vector<std::size_t> columns;
   for (const auto& [key, column] : columns_told(how.columns))
-    if (const auto number = parse_count(column)) most = std::max(most, static_cast<std::size_t>(*number));
-  return most;
+    if (const auto number = parse_count(column)) columns.push_back(static_cast<std::size_t>(*number) - 1);
+  return columns;
 }
 
 std::optional<Recognised> recognised(const Source& source, const MeasurementOptions& how) {
@@ -31,7 +31,7 @@ std::optional<Recognised> recognised(const Source& source, const MeasurementOpti
   for (const auto read :
        {read_matlab, read_universal58, read_gamry, read_biologic, read_versastudio, read_touchstone, read_zview})
     if (auto found = read(source)) return found;
-  if (!how.columns.empty()) return read_numbered_table(source, columns_needed(how));
+  if (!how.columns.empty()) return read_told_table(source, columns_with_numbers(how));
   return read_plain_table(source);
 }
 
@@ -56,6 +56,8 @@ std::string foreign_format(std::string_view bytes) {
   // JSON of PSTrace, as text or in UTF-16.
   if (has(head, "PalmSens") || has(head, std::string_view("P\0a\0l\0m\0S\0e\0n\0s\0", 16)))
     return "is a session of PSTrace (.pssession); expected a table, which PSTrace exports as CSV";
+  if (head.starts_with("version8.0") || head.starts_with("Version8.0"))
+    return "is a file of Autolab's FRA (.dfr), one number in each line; expected a table, which FRA exports as text";
   if (bytes.starts_with("TDSm"))
     return "is National Instruments' TDMS; expected a table, as Excel's TDM add-in makes one, or text (.lvm), as "
            "LabVIEW's Write "

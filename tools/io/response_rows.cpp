@@ -84,6 +84,42 @@ std::complex<double> RowReader::polar(const TextTable::Row& row) const {
   return std::polar(magnitude, number(row, plan_.second) * to_radians_);
 }
 
+SignsOfPhase::SignsOfPhase(const TextTable& table, const ColumnPlan& plan, const Planner& planner)
+    : table_(table), plan_(plan) {
+  const auto is_impedance = [&](std::size_t column) {
+    return planner.meaning(column).symbol.empty() || planner.meaning(column).symbol == "z";
+  };
+  if (plan.form != ValueForm::real_imaginary || !is_impedance(plan.first)) return;
+  for (std::size_t i = 0; i < table.header().size(); ++i) {
+    const ColumnMeaning& meaning = planner.meaning(i);
+    if (meaning.quantity != Quantity::phase || !is_impedance(i)) continue;
+    phase_ = phase_ ? table.header().size() : i;  // of two it is open which is meant
+    to_radians_ = meaning.problem.empty() ? meaning.factor : 0;
+  }
+  if (phase_ == table.header().size()) phase_.reset();
+}
+
+void SignsOfPhase::see(const TextTable::Row& row, std::complex<double> value) {
+  if (!phase_) return;
+  const double phase = parse_number(row.fields[*phase_]).value_or(0);
+  if (to_radians_ == 0 && std::abs(phase) > 180) return;
+  const double direction = to_radians_ == 0 ? phase : std::sin(phase * to_radians_);
+  // Phases are written to a degree or better, so that an angle of a degree and less may have either sign.
+  const double least = 0.02;
+  if (std::abs(direction) < least || std::abs(value.imag()) < least * std::abs(value)) return;
+  ++((direction > 0) == (value.imag() > 0) ? same_ : opposite_);
+}
+
+void SignsOfPhase::refuse_if_opposite() const {
+  if (same_ > 0 || opposite_ == 0) return;
+  const auto& imaginary = table_.header()[plan_.second];
+  throw DataError(table_.file(), imaginary.line, imaginary.column,
+                  "column " + quoted(imaginary.text) + " has the other sign than column " +
+                      quoted(table_.header()[*phase_].text) +
+                      " wherever that tells one; expected --columns with im=" + std::to_string(plan_.second + 1) +
+                      " or -im=" + std::to_string(plan_.second + 1) + ", whichever it is");
+}
+
 bool keeps(const std::vector<PointFilter>& where, double omega, std::complex<double> value) {
   return std::all_of(where.begin(), where.end(), [&](const PointFilter& filter) { return filter(omega, value); });
 }

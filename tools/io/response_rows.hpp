@@ -29,6 +29,10 @@ class RowReader {
 
   // False for a row at frequency 0.
   bool read(const TextTable::Row& row, Points& points) const;
+  // The fields of frequency and value are empty, as where a step of another kind shares the table.
+  [[nodiscard]] bool is_empty(const TextTable::Row& row) const {
+    return row.fields[plan_.frequency].empty() && row.fields[plan_.first].empty() && row.fields[plan_.second].empty();
+  }
   // Both parts of the value are nan.
   [[nodiscard]] bool has_no_value(const TextTable::Row& row) const;
 
@@ -47,6 +51,22 @@ class RowReader {
   double imaginary_sign_;
   bool is_permittivity_;
   bool decibel_;
+};
+
+// An imaginary part of the other sign than a phase beside it: a column named Im that holds -Im.
+class SignsOfPhase {
+ public:
+  SignsOfPhase(const TextTable& table, const ColumnPlan& plan, const Planner& planner);
+  void see(const TextTable::Row& row, std::complex<double> value);
+  // Throws a DataError where every row that tells has opposite signs.
+  void refuse_if_opposite() const;
+
+ private:
+  const TextTable& table_;
+  const ColumnPlan& plan_;
+  std::optional<std::size_t> phase_;
+  double to_radians_ = 0;  // 0 where the unit is open
+  std::size_t same_ = 0, opposite_ = 0;
 };
 
 [[nodiscard]] bool keeps(const std::vector<PointFilter>& where, double omega, std::complex<double> value);

@@ -15,6 +15,7 @@
 #include "report/prose.hpp"
 #include "report/ranking.hpp"
 #include "report/sections.hpp"
+#include "report/times_figure.hpp"
 
 namespace report {
 
@@ -167,6 +168,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   if (const std::string circuit = circuit_of(chosen); field == Field::impedance && !circuit.empty())
     section.add(Html{"<p>" + prose("data", "circuit", {{"model", escape_html(chosen)}}) + "</p><div class=\"scroll\">" +
                      circuit_drawing(circuit) + "</div>"});
+  if (field == Field::impedance && both)
+    if (auto times = times_figure(section.id + "-times", data, notation.unit)) section.add(*std::move(times));
   section.add(chosen_table(section.id + "-chosen", *result, unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));

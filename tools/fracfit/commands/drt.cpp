@@ -18,6 +18,7 @@
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "report/picture.hpp"
+#include "report/times_figure.hpp"
 
 namespace fracfit {
 namespace {
@@ -118,39 +119,6 @@ class Drt : public Command {
     }
     for (const auto& line : of.lines) add(rows.lines, "line", line);
     for (const auto& peak : of.peaks) add(rows.peaks, "peak", peak);
-  }
-
-  void add_curves(const std::string& label, std::size_t colour, const frac::TimesDistribution& of,
-                  report::Panel& panel) const {
-    // More than two ranges hide each other.
-    if (!of.lower.empty() && data_.size() < 3)
-      panel.curves.push_back(
-          report::make_band(label + ", range", report::category_colour(colour), of.tau, of.lower, of.upper));
-    panel.curves.push_back(
-        report::make_curve(label, report::category_colour(colour), report::Mark::line, of.tau, of.density));
-    // A line has no density; its area stands at its time.
-    std::vector<double> tau, area;
-    for (const auto& line : of.lines) {
-      tau.push_back(line.tau);
-      area.push_back(line.area);
-    }
-    if (!tau.empty())
-      panel.curves.push_back(report::make_curve(label + ", areas of lines", report::category_colour(colour),
-                                                report::Mark::open_points, tau, area));
-  }
-
-  /// Extends the axis so that ranges stay in the picture, up to twice the highest summit.
-  static void make_room_for_ranges(report::Panel& panel) {
-    double summit = 0, upper = 0;
-    for (const report::Curve& curve : panel.curves)
-      for (const auto& segment : curve.segments)
-        for (const report::PlotPoint& point : segment) {
-          if (curve.mark == report::Mark::band)
-            upper = std::max(upper, point.upper);
-          else
-            summit = std::max(summit, point.y);
-        }
-    if (upper > summit && summit > 0) panel.y.to = 1.05 * std::min(upper, 2 * summit);
   }
 
   /// By the kernel that was asked for, or else the falling one unless the rising one alone follows the data.
@@ -262,7 +230,9 @@ class Drt : public Command {
       const std::string source = one ? "data" : files[i].name;
       add_rows(source, times, lists);
       unit = file.value_unit;
-      add_curves(one ? "data" : report::enhanced_escape(source), i, times, panel);
+      // More than two ranges hide each other.
+      report::add_times(one ? "data" : report::enhanced_escape(source), i, report::within_band(times, file.data),
+                        data_.size() < 3, panel);
       if (!one) continue;
       for (const auto& [name, value, lower, upper] :
            {std::tuple{"constant", times.constant, times.constant_lower, times.constant_upper},
@@ -291,9 +261,9 @@ class Drt : public Command {
         say(fit_ + ": " + std::to_string(times.lines_left_off) +
             " further lines of a series, shorter than those listed, are left off");
       }
-      add_curves("fit", 1, times, panel);
+      report::add_times("fit", 1, times, true, panel);
     }
-    make_room_for_ranges(panel);
+    report::make_room_for_ranges(panel);
     document.head.emplace_back("kernel", std::string(to_string(*told)));
     if (!unit.empty()) document.head.emplace_back("value_unit", unit);
     const std::vector<Row> rows = lists.all();

@@ -68,11 +68,12 @@ struct NamedVector {
 [[nodiscard]] std::optional<Recognised> read_touchstone(const Source& source);
 [[nodiscard]] std::optional<Recognised> read_universal58(const Source& source);
 [[nodiscard]] std::optional<Recognised> read_matlab(const Source& source);
-/// Any table whose names stand above the rows, wherever in the file.
+/// Tables whose names stand above the rows, wherever in the file, each of them a sweep.  One that is all at one
+/// frequency is read only where it is asked for, if another is not.
 [[nodiscard]] std::optional<Recognised> read_plain_table(const Source& source);
-/// A table whose columns the caller tells by their numbers; it needs no names.
-/// @param columns  at least so many
-[[nodiscard]] std::optional<Recognised> read_numbered_table(const Source& source, std::size_t columns);
+/// The same of tables whose columns the caller tells; they need no names.
+/// @param columns  that have to hold numbers, counted from 0; empty where they are told by name
+[[nodiscard]] std::optional<Recognised> read_told_table(const Source& source, const std::vector<std::size_t>& columns);
 
 /// Names of columns from a line of them, and a line of units below it; empty where there is none.
 [[nodiscard]] std::vector<TextLayout::Column> named_columns(std::string_view names, char separator, std::size_t line,
