@@ -79,6 +79,7 @@ CompliantLoopHistory history_of(const Machine& m, const LoopStart& start) {
   options.sample_time = 0.25;
   options.rows_at_impacts = false;
   options.force_limit = m.control->limit;
+  options.disturbance = m.control->disturbance;
   return simulate_loop(loop_of(m), start, m.control->set_point, options);
 }
 
@@ -90,14 +91,29 @@ double largest_difference(const CompliantLoopHistory& one, const CompliantLoopHi
   return largest;
 }
 
-// The integration steps through the same equations, with events bisected and no matrix exponential.
-TEST(CompliantLoop, MotionsAreThoseOfAnIntegration) {
+/// The same with a position controller around a speed controller, and forces that disturb.
+Machine random_cascade(support::Random& random, std::size_t i) {
+  Machine m = random_loop(random, i);
+  Machine::Control& control = *m.control;
+  control.set_point.lag = 1 / random.uniform(0.5, 2);
+  control.ki = i % 2 == 1 ? 0.1 * control.kd / control.set_point.lag : 0;
+  control.kp = control.kd / control.set_point.lag + control.ki * control.set_point.lag;
+  if (i % 3 != 1) control.disturbance.body1 = control.kp * m.clearance * random.uniform(-0.5, 0.5);
+  if (i % 3 != 2) control.disturbance.body2 = control.kp * m.clearance * random.uniform(-0.5, 0.5);
+  return m;
+}
+
+// The integration steps through the same equations, with events bisected and no matrix exponential; of a cascade it
+// follows its two controllers.
+void compare_with_an_integration(Machine (*machine)(support::Random&, std::size_t)) {
   support::Random random(36);
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < 24; ++i) {
-    const Machine m = random_loop(random, i);
-    const LoopStart start{0, 0.3 * m.clearance * random.uniform(-1, 1), 0.4 * m.clearance * random.uniform(-1, 1),
-                          m.clearance * random.uniform(-2, 2)};
+    const Machine m = machine(random, i);
+    LoopStart start{0, 0.3 * m.clearance * random.uniform(-1, 1), 0.4 * m.clearance * random.uniform(-1, 1),
+                    m.clearance * random.uniform(-2, 2)};
+    // The integral of the speed is the position less where it began.
+    if (m.control->set_point.lag > 0) start.x2 = 0;
     const CompliantLoopHistory history = history_of(m, start);
     ASSERT_EQ(history.end, backlash::LoopEnd::duration);
     ASSERT_EQ(history.rows.size(), 49U);
@@ -119,6 +135,14 @@ TEST(CompliantLoop, MotionsAreThoseOfAnIntegration) {
     EXPECT_LT(difference / m.clearance, 1e-11 + 1e-14 * growth) << "loop " << i;
   }
   EXPECT_GT(contacts, 100U);
+}
+
+TEST(CompliantLoop, MotionsAreThoseOfAnIntegration) {
+  compare_with_an_integration(random_loop);
+}
+
+TEST(CompliantLoop, CascadesAndDisturbancesAreThoseOfAnIntegration) {
+  compare_with_an_integration(random_cascade);
 }
 
 // At one damping ratio the motion tends to that of the restitution in first order of 1/wc: up to the second impact, as

@@ -167,6 +167,10 @@ class SmallSteps {
     bool measures_x2 = false;
     double clearance = 1, restitution = .6, limit = 1e300;
     SetPoint set_point = {};
+    // Above 0: the integral and the derivative are of the speed error, position_gain times that of the position less
+    // the speed, as in a position controller around a speed controller.
+    double position_gain = 0;
+    Disturbance disturbance = {};
   };
   struct State {
     double x1, v1, x2, v2, integral;
@@ -217,13 +221,19 @@ class SmallSteps {
     const double rate =
         scene_.set_point.ramp + scene_.set_point.sine_amplitude * scene_.set_point.sine_omega * std::cos(sine);
     const double error = position - (scene_.measures_x2 ? s.x2 : s.x1);
-    const double error_rate = rate - (scene_.measures_x2 ? s.v2 : s.v1);
+    const double error_rate =
+        scene_.position_gain > 0 ? speed_error(s, error) : rate - (scene_.measures_x2 ? s.v2 : s.v1);
     return std::clamp(scene_.kp * error + scene_.ki * s.integral + scene_.kd * error_rate, -scene_.limit, scene_.limit);
   }
+  [[nodiscard]] double speed_error(const State& s, double error) const {
+    return scene_.position_gain * error - (scene_.measures_x2 ? s.v2 : s.v1);
+  }
   // Forces on the bodies but that of the wall.
-  [[nodiscard]] double load(const State& s) const { return -scene_.friction1 * s.v1 - scene_.spring1 * s.x1; }
+  [[nodiscard]] double load(const State& s) const {
+    return scene_.disturbance.body1 - scene_.friction1 * s.v1 - scene_.spring1 * s.x1;
+  }
   [[nodiscard]] double drive(const State& s, double time) const {
-    return force(s, time) - scene_.friction2 * s.v2 - scene_.spring2 * s.x2;
+    return force(s, time) + scene_.disturbance.body2 - scene_.friction2 * s.v2 - scene_.spring2 * s.x2;
   }
   // Of the wall on mass 1 in contact.
   [[nodiscard]] double pressing(const State& s, double time) const {
@@ -233,7 +243,8 @@ class SmallSteps {
   [[nodiscard]] State rate(const State& s, double time) const {
     const double position = scene_.set_point.step + scene_.set_point.ramp * time +
                             scene_.set_point.sine_amplitude * std::sin(scene_.set_point.sine_omega * time);
-    const double error = position - (scene_.measures_x2 ? s.x2 : s.x1);
+    const double distance = position - (scene_.measures_x2 ? s.x2 : s.x1);
+    const double error = scene_.position_gain > 0 ? speed_error(s, distance) : distance;
     if (wall_ == 0) return {s.v1, load(s) / scene_.mass1, s.v2, drive(s, time) / scene_.mass2, error};
     const double together = (load(s) + drive(s, time)) / (scene_.mass1 + scene_.mass2);
     return {s.v1, together, s.v2, together, error};
@@ -316,6 +327,29 @@ TEST(SimulateLoop, IsWhatSmallStepsGive) {
        "1/s^2",
        true},
       {{.kp = 1, .kd = 1, .limit = .3}, "1 + s", "1/s^2", "1/s^2", false},
+      // Cascades of 2/s, 1.5 N s/m and 2 s, whose lag is 1/2 s, and forces that disturb.
+      {{.mass2 = 2, .ki = .75, .kd = 1.5, .set_point = {.5, .2, 0, 0, {}, .5}, .position_gain = 2},
+       "(2 + s) (1.5 + 0.75/s)",
+       "1/s^2",
+       "1/(2 s^2)",
+       false},
+      {{.friction1 = .2,
+        .ki = .75,
+        .kd = 1.5,
+        .measures_x2 = true,
+        .restitution = .3,
+        .set_point = {1, 0, .3, 1.1, {}, .5},
+        .position_gain = 2,
+        .disturbance = {-.3, .2}},
+       "(2 + s) (1.5 + 0.75/s)",
+       "1/(s^2 + 0.2 s)",
+       "1/s^2",
+       true},
+      {{.kd = 1.5, .limit = .6, .set_point = {1, 0, 0, 0, {}, .5}, .position_gain = 2, .disturbance = {.1, -.15}},
+       "1.5 (2 + s)",
+       "1/s^2",
+       "1/s^2",
+       false},
   };
   for (const Case& each : cases) {
     const Scene& scene = each.scene;
@@ -328,12 +362,14 @@ TEST(SimulateLoop, IsWhatSmallStepsGive) {
     options.sample_time = .1;
     options.rows_at_impacts = false;
     options.force_limit = scene.limit < 1e299 ? scene.limit : std::numeric_limits<double>::infinity();
+    options.disturbance = scene.disturbance;
     const LoopHistory history = simulate_loop(loop, {0, .1, 0, 1}, scene.set_point, options);
     EXPECT_EQ(history.end, LoopEnd::duration) << each.controller;
     EXPECT_EQ(history.realisation_error, 0);
     ASSERT_EQ(history.rows.size(), 101U);
     // A derivative that meets the step of the set-point kicks mass 2, unless the actuator is limited.
-    const double kick = scene.limit < 1e299 ? 0 : scene.kd * scene.set_point.step / scene.mass2;
+    const double kick =
+        scene.limit < 1e299 || scene.position_gain > 0 ? 0 : scene.kd * scene.set_point.step / scene.mass2;
     SmallSteps steps(scene, {0, .1, 0, 1 + kick, 0});
     double largest = 0;
     for (const LoopRow& row : history.rows) {

@@ -83,6 +83,45 @@ TEST(SimulateSampledLoop, KeepsLimitsWallsAndMomentum) {
   }
 }
 
+// A cascade in a computer tends to the cascade whose force is not held: behind the limit both clamp the same sum, and
+// the held force and the difference quotient differ from the continuous ones by the first power of the sample time.
+TEST(SimulateSampledLoop, ACascadeTendsToTheContinuousOne) {
+  const ControlLoop loop = loop_of("(2 + s) (1.5 + 0.75/s)", .5, Output::x2);
+  LoopSimulationOptions exact;
+  exact.duration = 4;
+  exact.sample_time = 4;
+  exact.rows_at_impacts = false;
+  exact.disturbance.body2 = -.2;
+  SetPoint set_point{1, 0, 0, 0, {}, .5};
+  const double wanted = simulate_loop(loop, {}, set_point, exact).rows.back().x2;
+  std::vector<double> errors;
+  for (const double sample_time : {4e-3, 2e-3, 1e-3}) {
+    SampledLoopOptions options;
+    options.sample_time = sample_time;
+    options.duration = 4;
+    options.set_point = set_point;
+    options.disturbance = -.2;
+    errors.push_back(simulate_sampled_loop(loop, options).rows.back().x2 - wanted);
+  }
+  // Of second order is what halves with each doubling.
+  EXPECT_NEAR(errors[0] / errors[1], 2, .1);
+  EXPECT_NEAR(errors[1] / errors[2], 2, .05);
+  EXPECT_LT(std::abs(errors[2]), 5e-3);
+}
+
+// A gain alone makes a force of what the encoder reads: whole steps, half a step off the position at most.
+TEST(SimulateSampledLoop, ReadsWholeStepsOfItsEncoder) {
+  SampledLoopOptions options = options_of(.01, 5);
+  options.encoder_step = 1.0 / 64;
+  for (const Output measured : {Output::x1, Output::x2}) {
+    for (const LoopRow& row : simulate_sampled_loop(loop_of("2", .6, measured), options).rows) {
+      const double read = -row.force / 2, position = measured == Output::x1 ? row.x1 : row.x2;
+      EXPECT_EQ(read * 64, std::round(read * 64));
+      EXPECT_LE(std::abs(read - position), .5 / 64);
+    }
+  }
+}
+
 TEST(SimulateSampledLoop, RefusesWhatItDoesNotRun) {
   const auto run = [](const ControlLoop& loop, const SampledLoopOptions& options) {
     (void)simulate_sampled_loop(loop, options);
@@ -91,6 +130,9 @@ TEST(SimulateSampledLoop, RefusesWhatItDoesNotRun) {
   support::expect_invalid_argument([&] { run(loop_of("1/(s + 1)", .6), options_of(.01, 1)); }, {"kp + ki/s^lambda"});
   support::expect_invalid_argument([&] { run(loop_of("1 + s + s^0.5", .6), options_of(.01, 1)); }, {"other terms"});
   support::expect_invalid_argument([&] { run(loop_of("1 + s", .6), options_of(1e-8, 1)); }, {"samples"});
+  SampledLoopOptions lagged = options_of(.01, 1);
+  lagged.set_point = {1, 0, 0, 0, {}, .5};
+  support::expect_invalid_argument([&] { run(loop_of("1 + s", .6), lagged); }, {"lag", "cascade"});
 }
 
 }  // namespace

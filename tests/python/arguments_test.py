@@ -41,6 +41,7 @@ CALLS = {
     "pid_run": (PID.run, {"setpoint": 1.0, "measured": TIME}),
     "c_header": (PID.c_header, {}),
     "describing_function": (fracfit.describing_function, {"omega": [2.0, 3.0], "restitution": 0.5}),
+    "drive": (fracfit.drive, {"inertia1": 0.2, "torque": [1.0, 2.0]}),
     "static": (fracfit.static_describing_function, {"omega": [0.5]}),
     "symmetric_loss_factor": (fracfit.symmetric_loss_factor, {"restitution": 0.5}),
     "restitution_from_loss_factor": (fracfit.restitution_from_loss_factor, {"loss_factor": 0.2}),

@@ -407,3 +407,21 @@ def test_admittance_as_the_component(tmp_path):
         fracfit.fit(fracfit.FrequencyResponse(data.omega, data.response, unit="Pa"), model, component="admittance")
     with pytest.raises(ValueError, match="component is 'phase'"):
         fracfit.validate(data, component="phase")
+
+
+def test_a_drive_with_a_cascade():
+    words = {"inertia1": 0.2, "inertia2": 0.01, "gear_ratio": 5, "gap_degrees": 0.1, "torque_limit": 2.0, "load_torque": -0.05, "step_degrees": 1}
+    options = [f"--{name.replace('_', '-')}={value}" for name, value in words.items()]
+    theirs = command_line.columns_of(
+        "loop", "--controller", "cascade(8, 0.9, 0.5)", "--body", "x2", *options, "--restitution", 0.3, "--duration", 0.2, "--every", 0.02
+    )
+    # At the shaft of the load the speed controller of motor torque and motor angle counts 25 times.
+    ours = fracfit.loop("(8 + s) (25*0.9 + 25*0.9/(0.5 s))", setpoint_lag=1 / 8, body="x2", restitution=0.3, duration=0.2, every=0.02, **fracfit.drive(**words))
+    assert len(ours.time) == len(theirs["time_s"]) > 20
+    # Roundings of the gains, and what two dozen impacts make of them.
+    np.testing.assert_allclose(ours.x2, theirs["x2_m"], atol=1e-10)
+    np.testing.assert_allclose(ours.force, theirs["force_n"], atol=1e-6)
+    scene = fracfit.drive(inertia1=0.2, inertia2=0.01, gear_ratio=5, gap_degrees=0.1, torque=2)
+    n = fracfit.describing_function([300.0], restitution=0.3, **scene)
+    told = command_line.columns_of("simulate", *options[:4], "--torque", 2, "--restitution", 0.3, "--omega", 300)
+    assert n.response[0] == complex(told["re_m_per_n"][0], told["im_m_per_n"][0])

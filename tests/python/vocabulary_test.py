@@ -23,13 +23,15 @@ OF_PROGRAMS = {
 }
 # What a file does not tell of itself is told to `read`, and points are chosen by `where`.
 OF_FILES = {"columns", "frequency-unit", "select", "where", "by"}
+# Words of a rotating drive.
+OF_DRIVES = {"inertia1", "inertia2", "gear-ratio", "gap-degrees", "torque", "torque-limit", "load-torque", "step-degrees", "friction-torque1", "friction-torque2"}
 REALISATION = dict.fromkeys(("band", "poles", "sample-time", "memory"), "realisation={...}")
 RECORD = dict.fromkeys(("hold", "input-at-rest"), "TimeSeries")
 QUANTITY = {"quantity": "FrequencyResponse.minus_inverse"}
 PAIR = dict.fromkeys(("contact-frequency", "contact-ratio", "contact-restitution"), "contact_of_frequency")
 CONTROLLER = dict.fromkeys(
     ("kp", "ki", "kd", "lambda", "mu", "model", "poles", "min", "max", "swing", "sample-count", "derivative-filter", "anti-windup", "discretisation")
-    + ("derivative-setpoint-weight", "setpoint-weight", "tracking-time"),
+    + ("cascade", "derivative-setpoint-weight", "setpoint-weight", "tracking-time"),
     "FractionalPid, which is the source",
 )
 
@@ -49,7 +51,7 @@ RENAMED = {
 # What has a place of its own in Python.
 ELSEWHERE = {
     "basins": PAIR,
-    "controller": {"model": "Model.realise", "sample-count": "FractionalPid", "name": "FractionalPid.c_header", "precision": "FractionalPid.c_header"},
+    "controller": {"cascade": "kp, ki, kd and setpoint_weight", "model": "Model.realise", "sample-count": "FractionalPid", "name": "FractionalPid.c_header", "precision": "FractionalPid.c_header"},
     "drt": {"fit": "the data, which may be a FitResult"},
     "export arduino": CONTROLLER,
     "export c99": CONTROLLER,
@@ -57,7 +59,7 @@ ELSEWHERE = {
     "fit": {**REALISATION, **RECORD, **QUANTITY, "profile": "FitResult.profile", "bootstrap": "FitResult.bootstrap", "refits": "FitResult.bootstrap"},
     "history": PAIR,
     "identify": {**REALISATION, **RECORD, **QUANTITY, **dict.fromkeys(("force", "clearance", "mass1", "mass2"), "curves={...} of static_describing_function")},
-    "identify-scene": {"compare": "identify"},
+    "identify-scene": {"compare": "identify", "print": "attributes"},
     "joint-fit": {**REALISATION, **RECORD, **QUANTITY, "master": "JointFit.master_curve"},
     "jump-law": PAIR,
     "limit-cycles": {**PAIR, "over": "a loop over calls"},
@@ -88,7 +90,7 @@ def test_every_option_has_its_place(name):
     assert len(options) > 1
     renamed, elsewhere, missing = RENAMED.get(name, {}), ELSEWHERE.get(name, {}), MISSING.get(name, set())
     named = {option for option in options if option.replace("-", "_") in words}
-    placed = named | set(OF_PROGRAMS) | OF_FILES | set(renamed) | set(elsewhere) | missing
+    placed = named | set(OF_PROGRAMS) | OF_FILES | OF_DRIVES | set(renamed) | set(elsewhere) | missing
     assert not options - placed, f"options without a word in Python: {sorted(options - placed)}"
     # The lists stay true: no entry for an option that is none, or that has its word.
     own = (set(elsewhere) if elsewhere is not CONTROLLER else set()) | missing

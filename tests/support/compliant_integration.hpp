@@ -22,9 +22,12 @@ using Real = long double;
 struct Machine {
   double mass1 = 1, mass2 = 1, viscous1 = 0, viscous2 = 0, spring1 = 0, spring2 = 0, clearance = 0.3;
   double stiffness = 1e4, damping = 20, coulomb1 = 0, coulomb2 = 0, force = 40, omega = 20;
-  /// With a controller kp e + ki int e + kd e' in place of the force, e the set-point less a position.
+  /// With a controller kp e + ki int e + kd e' in place of the force, e the set-point less a position.  With a lag of
+  /// the set-point it is a speed controller kd w + ki lag int w of w = e/lag less the speed, which has kp = kd/lag + ki
+  /// lag.
   struct Control {
     double kp = 0, ki = 0, kd = 0, limit = std::numeric_limits<double>::infinity();
+    backlash::Disturbance disturbance = {};
     backlash::SetPoint set_point = {};
     bool follows_drive = false;
   };
@@ -119,8 +122,14 @@ class Integration {
     return wanted.step + wanted.ramp * t + wanted.sine_amplitude * std::sin(Real(wanted.sine_omega) * t) -
            z[m_.control->follows_drive ? x2 : x1];
   }
+  // What the integral takes in.
+  [[nodiscard]] Real integrated(const State& z, Real t) const {
+    const Real lag = m_.control->set_point.lag;
+    return lag > 0 ? error(z, t) / lag - z[m_.control->follows_drive ? v2 : v1] : error(z, t);
+  }
   [[nodiscard]] Real wanted(const State& z, Real t) const {
     const backlash::SetPoint& set = m_.control->set_point;
+    if (set.lag > 0) return m_.control->kd * integrated(z, t) + m_.control->ki * set.lag * z[integral];
     const Real rate = set.ramp + set.sine_amplitude * set.sine_omega * std::cos(Real(set.sine_omega) * t) -
                       z[m_.control->follows_drive ? v2 : v1];
     return m_.control->kp * error(z, t) + m_.control->ki * z[integral] + m_.control->kd * rate;
@@ -136,15 +145,16 @@ class Integration {
   }
   [[nodiscard]] std::array<Real, 2> others(const State& z, Real t) const {
     const Real push = wall_ == 0 ? 0 : wall_ * press(z, wall_);
-    return {push - m_.viscous1 * z[v1] - m_.spring1 * z[x1],
-            drive(z, t) - push - m_.viscous2 * z[v2] - m_.spring2 * z[x2]};
+    const backlash::Disturbance disturbance = m_.control ? m_.control->disturbance : backlash::Disturbance{};
+    return {disturbance.body1 + push - m_.viscous1 * z[v1] - m_.spring1 * z[x1],
+            disturbance.body2 + drive(z, t) - push - m_.viscous2 * z[v2] - m_.spring2 * z[x2]};
   }
   [[nodiscard]] State field(const State& z, Real t) const {
     const auto force = others(z, t);
     const Real a1 = slide_[0] == 0 ? 0 : (force[0] - slide_[0] * m_.coulomb1) / m_.mass1;
     const Real a2 = slide_[1] == 0 ? 0 : (force[1] - slide_[1] * m_.coulomb2) / m_.mass2;
     const Real angle = m_.omega * t;
-    return {z[v1], a1, z[v2], a2, z[v1] * std::cos(angle), -z[v1] * std::sin(angle), m_.control ? error(z, t) : 0};
+    return {z[v1], a1, z[v2], a2, z[v1] * std::cos(angle), -z[v1] * std::sin(angle), m_.control ? integrated(z, t) : 0};
   }
   [[nodiscard]] State step(Real length) const {
     constexpr std::size_t columns = 6;

@@ -62,12 +62,13 @@ CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const SineForce& for
 }
 
 CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
-                             double fastest)
+                             double fastest, const Disturbance& disturbance)
     : bodies_(loop.bodies()),
       force_{0, set_point.sine_amplitude != 0 ? set_point.sine_omega : 0},
       output_(loop.measured()),
       set_point_(set_point),
       force_limit_(force_limit),
+      disturbance_(disturbance),
       pace_(crossover(loop.hard())),
       fastest_(fastest),
       half_gap_(0.5 * loop.bodies().system().clearance()),
@@ -79,11 +80,13 @@ CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_poin
   controller_ = place(loop.controller(), tolerance, 0);
   if (set_point_.step != 0 || set_point_.ramp != 0 || !set_point_.knots.empty())
     reference_ = std::exchange(size_, size_ + 2);
+  if (set_point_.lag > 0) lagged_ = std::exchange(size_, size_ + 1);
   double swing = std::max({system.clearance(), std::abs(set_point_.step), std::abs(set_point_.sine_amplitude)});
   for (const SetPointKnot& knot : set_point_.knots) swing = std::max(swing, std::abs(knot.value));
   choose_sizes(swing, (system.mass1() + system.mass2()) * swing * pace_ * pace_);
   controller_->scale(sizes_, swing, pace_);
   if (reference_ >= 0) sizes_.segment(reference_, 2) << swing, swing * pace_;
+  if (lagged_ >= 0) sizes_[lagged_] = swing;
   for (Index i = 0; i < size_; ++i)
     if (i < cosine || i > one) repeating_.push_back(i);
 }
@@ -144,19 +147,25 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(const CompliantMode& 
   for (const int wall : {-1, 1})
     press[wall > 0 ? 1 : 0] = wall * k * unit(gap) - k * half_gap_ * unit(one) + wall * c * unit(rate);
   // Of the loop, and its rates.
-  Row error = none, error_rate = none, error_acceleration = none;
+  Row asked = none, asked_rate = none, asked_acceleration = none;
   Row wanted = force_.amplitude * unit(cosine);
   const std::size_t followed = output_ == Output::x1 ? 0 : 1;
   if (controller_) {
     const double sine_rate = set_point_.sine_amplitude * force_.omega;
-    error = set_point_.sine_amplitude * unit(sine) - position[followed];
-    error_rate = sine_rate * unit(cosine) - velocity[followed];
-    error_acceleration = -sine_rate * force_.omega * unit(sine);
+    asked = set_point_.sine_amplitude * unit(sine);
+    asked_rate = sine_rate * unit(cosine);
+    asked_acceleration = -sine_rate * force_.omega * unit(sine);
     if (reference_ >= 0) {
-      error += unit(reference_);
-      error_rate += unit(reference_ + 1);
+      asked += unit(reference_);
+      asked_rate += unit(reference_ + 1);
     }
-    wanted = controller_->output(error, error_rate);
+    if (lagged_ >= 0) {
+      const Row lagged_rate = (asked - unit(lagged_)) / set_point_.lag;
+      asked_acceleration = (asked_rate - lagged_rate) / set_point_.lag;
+      asked_rate = lagged_rate;
+      asked = unit(lagged_);
+    }
+    wanted = controller_->output(asked - position[followed], asked_rate - velocity[followed]);
   }
   const Row drive = mode.limit == 0 ? wanted : Row(mode.limit * force_limit_ * unit(one));
   // Of the contact on body 1.
@@ -164,7 +173,8 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(const CompliantMode& 
   std::array<Row, 2> resisted = {none, none}, others, acceleration;
   for (std::size_t i = 0; i < 2; ++i) {
     if (memory_[i]) resisted[i] = memory_[i]->output(position[i], velocity[i]);
-    others[i] = (i == 0 ? push : Row(drive - push)) - resisted[i];
+    const double disturbance = i == 0 ? disturbance_.body1 : disturbance_.body2;
+    others[i] = (i == 0 ? push : Row(drive - push)) - resisted[i] + disturbance * unit(one);
     const double friction = this->friction(static_cast<int>(i));
     acceleration[i] = slide[i] == 0 ? none : Row((others[i] - slide[i] * friction * unit(one)) / mass[i]);
   }
@@ -178,7 +188,10 @@ std::unique_ptr<CompliantFlow::Regime> CompliantFlow::make(const CompliantMode& 
   a.row(sine) = force_.omega * unit(cosine);
   for (std::size_t i = 0; i < 2; ++i)
     if (memory_[i]) memory_[i]->fill(a, position[i], velocity[i], acceleration[i]);
-  if (controller_) controller_->fill(a, error, error_rate, error_acceleration - acceleration[followed]);
+  if (controller_)
+    controller_->fill(a, asked - position[followed], asked_rate - velocity[followed],
+                      asked_acceleration - acceleration[followed]);
+  if (lagged_ >= 0) a.row(lagged_) = asked_rate;
   if (reference_ >= 0) a.row(reference_) = unit(reference_ + 1);
   const Row& read = velocity[followed];
   for (int k1 = 1; k1 <= harmonics_; ++k1) {
@@ -217,14 +230,17 @@ Eigen::VectorXd CompliantFlow::start(const LoopStart& at) const {
   if (memory_[0]) memory_[0]->kick(state, 2, at.v1);
   if (memory_[1]) memory_[1]->kick(state, 2, at.v2);
   if (!controller_) return state;
-  const double slope = set_point_.sine_amplitude * force_.omega;
+  const double slope = lagged_ >= 0 ? 0 : set_point_.sine_amplitude * force_.omega;
   controller_->kick(state, 2, slope - (output_ == Output::x1 ? at.v1 : at.v2));
   if (reference_ < 0) return state;
   const double step = set_point_.step + (set_point_.knots.empty() ? 0 : set_point_.knots.front().value);
   state[reference_] = step;
-  controller_->kick(state, 1, step);
+  if (lagged_ >= 0)
+    controller_->kick(state, 2, step / set_point_.lag);  // behind a lag a step is a bend
+  else
+    controller_->kick(state, 1, step);
   // A derivative that meets a step kicks body 2; an actuator of limited force has no time for that.
-  if (step != 0 && std::isinf(force_limit_))
+  if (step != 0 && lagged_ < 0 && std::isinf(force_limit_))
     strike_drive(state, controller_->of.on_velocity * step / bodies_.system().mass2());
   set_point_bends(state, set_point_.ramp);
   return state;
@@ -267,7 +283,7 @@ void CompliantFlow::strike_drive(Eigen::VectorXd& state, double velocity) const 
 
 void CompliantFlow::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
   state[reference_ + 1] += change_of_slope;
-  controller_->kick(state, 2, change_of_slope);
+  if (lagged_ < 0) controller_->kick(state, 2, change_of_slope);
 }
 
 int CompliantFlow::limit_of(const Eigen::VectorXd& state) const {

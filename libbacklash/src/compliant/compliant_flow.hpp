@@ -51,7 +51,7 @@ class CompliantFlow {
   /// @param tolerance  of fractional powers, relative over the frequencies of motion and contacts
   /// @param fastest    rad/s, of contacts whose frequencies are to be among them
   CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
-                double fastest = 0);
+                double fastest = 0, const Disturbance& disturbance = {});
 
   using Row = Eigen::RowVectorXd;
   struct Linear {
@@ -123,6 +123,7 @@ class CompliantFlow {
   Output output_;  // read, or followed by the controller
   SetPoint set_point_;
   double force_limit_ = std::numeric_limits<double>::infinity();
+  Disturbance disturbance_;
   double pace_;
   double fastest_ = 0;
   double half_gap_;
@@ -133,7 +134,7 @@ class CompliantFlow {
   double error_ = 0;
   std::array<std::optional<PlacedOperator>, 2> memory_;
   std::optional<PlacedOperator> controller_;  // in place of the sine force
-  Eigen::Index reference_ = -1;
+  Eigen::Index reference_ = -1, lagged_ = -1;
   Eigen::VectorXd sizes_;
   std::vector<Eigen::Index> repeating_;
   mutable std::array<std::unique_ptr<Regime>, 81> regimes_;

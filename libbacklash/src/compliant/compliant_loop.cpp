@@ -101,16 +101,19 @@ CompliantLoopHistory simulate_loop(const CompliantLoop& loop, const LoopStart& s
   if (options.whole_memory)
     throw std::invalid_argument("contacts that take time are not followed with the whole memory");
   detail::require_simulated(loop.hard(), start, set_point, options);
-  const detail::CompliantFlow flow(loop, set_point, options.force_limit, options.tolerance);
+  const detail::CompliantFlow flow(loop, set_point, options.force_limit, options.tolerance, 0, options.disturbance);
   const Eigen::VectorXd state = flow.start(start);
   detail::CompliantRun run(flow, state, flow.mode_of(state));
   const Bends bends = bends_of(set_point);
   // Rounding hides the gap from there on.
   constexpr double farthest = 1e9;
-  const double clearance = loop.bodies().system().clearance();
-  run.set_bound(farthest *
-                (flow.pace() * (clearance + std::abs(set_point.step)) + std::abs(start.v1) + std::abs(start.v2) +
-                 std::abs(set_point.ramp) + bends.fastest + std::abs(set_point.sine_amplitude) * set_point.sine_omega));
+  const TwoMassSystem& system = loop.bodies().system();
+  const double clearance = system.clearance();
+  const double pushed = std::abs(options.disturbance.body1) / system.mass1() +
+                        std::abs(options.disturbance.body2) / system.mass2();  // m/s^2
+  run.set_bound(farthest * (flow.pace() * (clearance + std::abs(set_point.step)) + pushed / flow.pace() +
+                            std::abs(start.v1) + std::abs(start.v2) + std::abs(set_point.ramp) + bends.fastest +
+                            std::abs(set_point.sine_amplitude) * set_point.sine_omega));
   CompliantLoopHistory history{{}, 0, LoopEnd::duration, options.duration, flow.error()};
   const auto end_at = [&](LoopEnd end) {
     history.end = end;

@@ -16,6 +16,7 @@
 #include "options/loop_options.hpp"
 #include "options/model_choice.hpp"
 #include "output/identify_scene_output.hpp"
+#include "output/scene_export.hpp"
 
 namespace fracfit {
 namespace {
@@ -83,12 +84,20 @@ class IdentifyScene : public Command {
            "Also rank static backlash, fractional and integer-order structures on the same points")
         .not_with({"--load-receptance"}, "the ranking is against free masses")
         .not_with({"--drive-receptance"}, "the ranking is against free masses");
+    o.choice("--print", print_, all_scene_words,
+             "Print the estimate alone, in these words: options of this program, a model of Modelica or of MuJoCo",
+             "WORDS")
+        .not_with({"--load-receptance"}, "which prints two masses")
+        .not_with({"--drive-receptance"}, "which prints two masses")
+        .not_with({"--compare"}, "whose ranking it leaves out")
+        .not_with({"--format"}, "whose text it replaces");
     add_common({"json", "table"});
     set_footer(
         "Examples:\n"
         "  fracfit identify-scene f10.csv f30.csv f50.csv --fix mass1=1\n"
         "  fracfit identify-scene a.csv b.csv --force 10,50 --body x2 --component imaginary --fix mass1=1\n"
         "  fracfit identify-scene f*.csv --fix mass1=1 --fix mass2=1 --compare --format table\n"
+        "  fracfit identify-scene f10.csv f30.csv --fix mass1=1 --contact compliant --print modelica\n"
         "  fracfit identify-scene f20.csv f40.csv --load-receptance '1/(m1 s^2 + b1 s)' --drive-receptance "
         "'1/(1.5 s^2 + b2 s)'");
   }
@@ -227,6 +236,11 @@ class IdentifyScene : public Command {
       comparison = backlash::compare_explanations(curves, scene_, result);
 
     complete(run);
+    if (print_) {
+      const int code = outcome(result);
+      if (code == usable_result) write(scene_in(*print_, result, run.command));
+      return code;
+    }
     write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
     return outcome(result);
   }
@@ -266,6 +280,7 @@ class IdentifyScene : public Command {
   backlash::SceneIdentificationOptions scene_;
   io::FrequencyResponseReadOptions reading_;
   bool compare_ = false;
+  std::optional<SceneWords> print_;
 };
 
 }  // namespace

@@ -38,6 +38,9 @@ class LoopCommand : public Command {
     o.parsed("--setpoint-sine", sine_, sine_of, "A sine in it, m and rad/s", "AMPLITUDE:OMEGA").default_is("none");
     o.text("--setpoint-file", set_point_file_,
            "Columns time_s, input (m); straight from row to row, the first at time 0", "FILE");
+    o.number("--disturbance1", options_of_run_.disturbance.body1, "Constant force on body 1 from t = 0 on, N", "F")
+        .not_with({"--sample-time"}, "whose forces act on body 2");
+    o.number("--disturbance2", options_of_run_.disturbance.body2, "That on body 2, N", "F");
     o.number("--velocity1", start_.v1, "x1' at the start, m/s", "V");
     o.number("--velocity2", start_.v2, "x2' at the start, m/s", "V");
     o.number("--duration", options_of_run_.duration, "Time to follow, s", "T");
@@ -47,6 +50,8 @@ class LoopCommand : public Command {
         "--sample-time", sampled_.sample_time,
         "run the controller as kp + ki/s^lambda + kd s^mu in a computer, its force held between samples; one row per "
         "sample");
+    o.number("--encoder-step", sampled_.encoder_step, "Step of the position that the computer reads, m; 0: none", "Q")
+        .only_with({"--sample-time"}, "whose computer reads an encoder");
     o.number("--force-limit", options_of_run_.force_limit, "Largest force of the actuator, N", "F").default_is("none");
     o.number("--tolerance", options_of_run_.tolerance, "of fractional powers of s, which are sums of exponentials");
     o.flag("--whole-memory", options_of_run_.whole_memory,
@@ -89,7 +94,9 @@ class LoopCommand : public Command {
         "20 "
         "--friction1 2 --setpoint-step 1 --force-limit 30\n"
         "  fracfit loop --controller '2 + s^0.5' --restitution 0.6 --velocity2 1 --sample-time 0.002 --force-limit "
-        "0.5");
+        "0.5\n"
+        "  fracfit loop --controller 'cascade(8, 0.9, 0.5)' --body x2 --inertia1 0.2 --inertia2 0.01 --gear-ratio 5 "
+        "--gap-degrees 0.1 --restitution 0.3 --step-degrees 1 --load-torque -0.05 --duration 3");
   }
 
  private:
@@ -127,6 +134,7 @@ class LoopCommand : public Command {
     sampled_.velocity2 = start_.v2;
     sampled_.set_point = set_point_;
     sampled_.force_limit = options_of_run_.force_limit;
+    sampled_.disturbance = options_of_run_.disturbance.body2;
     const backlash::ControlLoop loop = loop_.loop();
     const backlash::SampledLoopHistory history = backlash::simulate_sampled_loop(loop, sampled_);
     write_rows(history.rows, {{"impacts", std::to_string(history.impacts)}});
@@ -175,6 +183,8 @@ class LoopCommand : public Command {
   [[nodiscard]] io::Metadata rest_entries(const backlash::CompliantLoop& loop) const {
     const bool moves = set_point_.ramp != 0 || set_point_.sine_amplitude != 0 || !set_point_.knots.empty();
     const backlash::CoulombFriction& friction = loop.bodies().friction();
+    const backlash::Disturbance& disturbance = options_of_run_.disturbance;
+    if (disturbance.body1 != 0 || disturbance.body2 != 0) return {};
     if (moves || (friction.body1 == 0 && friction.body2 == 0) || std::isfinite(options_of_run_.force_limit)) return {};
     const backlash::RestRange range = backlash::rest_range(loop, set_point_.step);
     if (!std::isfinite(range.from) || !std::isfinite(range.to)) return {};
@@ -213,8 +223,10 @@ class LoopCommand : public Command {
 
   int run() override {
     const bool rests_there = set_point_.step == 0 && set_point_.ramp == 0 && !sine_ && set_point_file_.empty();
-    if (rests_there && start_.v1 == 0 && start_.v2 == 0)
-      say("nothing moves: both bodies rest at the set-point; give --velocity2 or a --setpoint-...");
+    const backlash::Disturbance& disturbance = options_of_run_.disturbance;
+    if (!rests_there) set_point_.lag = loop_.set_point_lag();
+    if (rests_there && start_.v1 == 0 && start_.v2 == 0 && disturbance.body1 == 0 && disturbance.body2 == 0)
+      say("nothing moves: both bodies rest at the set-point; give --velocity2, a --setpoint-... or a --disturbance...");
     if (!std::isnan(sampled_.sample_time)) return run_sampled();
     read_set_point();
     if (contact_.are_given(options())) return run_compliant();

@@ -12,6 +12,7 @@
 
 #include "backlash/design/tune_with_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "frac/digital/cascade_gains.hpp"
 #include "frac/identification/plants_of_record.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/model/algebra.hpp"
@@ -81,6 +82,11 @@ std::optional<frac::StepFigures> setpoint_step(const frac::TuningResult& result,
   }
 }
 
+// A derivative filter acts on the rate alone, and in a cascade on its integral too.
+std::optional<frac::CascadeGains> cascade_of(const frac::TuningResult& result) {
+  return result.derivative_filter_time > 0 ? std::nullopt : frac::cascade_of(result.gains);
+}
+
 Json step_json(const std::optional<frac::StepFigures>& step) {
   if (!step) return {};
   return {
@@ -94,6 +100,11 @@ Json tuning_json(const frac::TuningResult& result, const Plant& plant, const std
   json["status"] = frac::to_string(result.status);
   json["message"] = result.message;
   json["controller"] = controller_json(result);
+  json["cascade"] = Json();
+  if (const auto cascade = cascade_of(result))
+    json["cascade"] = {{"position_gain", cascade->position_gain},
+                       {"speed_gain", cascade->speed_gain},
+                       {"integral_time", cascade->integral_time}};
   json["specification"] = Json::list(result.specification, [](const auto& line) {
     return Json{{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}};
   });
@@ -206,6 +217,11 @@ std::string tuning_table(const frac::TuningResult& result, const Plant& plant, c
   controller.add({"mu", short_number(result.gains.mu)});
   if (result.derivative_filter_time > 0) {
     controller.add({"derivative filter, s", short_number(result.derivative_filter_time)});
+  }
+  if (const auto cascade = cascade_of(result)) {
+    std::string words = short_number(cascade->position_gain) + "," + short_number(cascade->speed_gain);
+    if (std::isfinite(cascade->integral_time)) words += "," + short_number(cascade->integral_time);
+    controller.add({"as a cascade K1,K2,T", words});
   }
   text += controller.text() + "\n";
   if (!result.specification.empty()) {

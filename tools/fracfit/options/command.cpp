@@ -18,6 +18,7 @@
 #include "frac/cancellation.hpp"
 #include "io/data_error.hpp"
 #include "io/termination.hpp"
+#include "options/drive_options.hpp"
 #include "output/terminal.hpp"
 
 namespace fracfit {
@@ -36,6 +37,7 @@ void complain(const std::string& message) {
 Command::Command(std::string name, std::string about) : name_(std::move(name)), about_(std::move(about)) {}
 
 void Command::add_common(const std::vector<std::string>& formats) {
+  add_drive_words(options_, drive_words_);
   constexpr std::size_t most_threads = 1024;
   if (!formats.empty()) {
     file_format_ = formats.front();
@@ -74,7 +76,16 @@ bool Command::writes_file() const {
 }
 
 int Command::execute() {
-  options_.interpret();
+  const std::string note = convert_drive_words(options_);
+  try {
+    options_.interpret();
+    return execute_interpreted(note);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(in_drive_words(options_, error.what()));
+  }
+}
+
+int Command::execute_interpreted(const std::string& note) {
   try {
     for (const Option& option : options_.all())
       if (option.name() == "--out" && option.is_given() && option.text().empty())
@@ -86,6 +97,7 @@ int Command::execute() {
                                   ": allowed is above 0 up to 1e9 s");
     out_ = io::with_shard(out_, shard_);
     output_.emplace(out_, options_.input_files());
+    if (!note.empty()) say(note);
     const int code = run_in_time();
     if (code == no_usable_result && !unsaid_.empty()) complain(unsaid_);
     return code;

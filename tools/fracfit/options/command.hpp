@@ -72,11 +72,12 @@ class Command {
   [[nodiscard]] bool writes_file() const;
 
  private:
+  int execute_interpreted(const std::string& note);
   int run_in_time();
 
   std::string name_, about_, footer_;
   Options options_;
-  std::string out_, format_, file_format_;
+  std::string out_, format_, file_format_, drive_words_;
   int threads_ = 0;
   bool quiet_ = false;
   std::optional<double> time_limit_;

@@ -25,6 +25,18 @@ std::vector<frac::Discretisation> section_discretisations() {
   return some;
 }
 
+frac::CascadeGains cascade_of(std::string_view name, const std::string& text) {
+  const std::vector<double> values = numbers_of(name, text);
+  const bool has_time = values.size() == 3;
+  if (values.size() != 2 && !has_time)
+    throw std::invalid_argument(std::string(name) + " " + text + ": expected K1,K2 or K1,K2,T");
+  for (const double value : values)
+    if (!(value > 0)) throw std::invalid_argument(std::string(name) + " " + text + ": allowed are numbers above 0");
+  frac::CascadeGains cascade{values[0], values[1]};
+  if (has_time) cascade.integral_time = values[2];
+  return cascade;
+}
+
 // The filters keep the tolerance, but the rules beside them need not.
 std::string note_on_rules(const frac::FractionalPidDesign& design) {
   const frac::FractionalPidConfig& config = design.config();
@@ -50,6 +62,13 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
   o.number("--kd", config_.gains.kd, "Gain of the fractional derivative", "K").not_with(model, why);
   o.number("--lambda", config_.gains.lambda, "0.001 to 1.999").not_with(model, why);
   o.number("--mu", config_.gains.mu, "0.001 to 1.999").not_with(model, why);
+  o.parsed("--cascade", cascade_, cascade_of,
+           "A position controller K1 around the speed controller K2 (1 + 1/(T s)), as a PID, instead of its gains and "
+           "set-point weights",
+           "K1,K2[,T]")
+      .not_with(model, why);
+  for (const char* name : {"--kp", "--ki", "--kd", "--lambda", "--mu"})
+    o[name].not_with({"--cascade"}, "which gives the gains");
   o.parsed("--model", model_, formula_of,
            "a filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band");
   Option& time = o.number("--sample-time", config_.sample_time);
@@ -76,6 +95,8 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
   o.number("--derivative-setpoint-weight", config_.derivative_setpoint_weight,
            "Share of the set-point in the derivative; 0: derivative on the measurement", "C")
       .not_with(model, why);
+  for (const char* name : {"--setpoint-weight", "--derivative-setpoint-weight"})
+    o[name].not_with({"--cascade"}, "which gives the weights");
   o.number("--swing", config_.most_swing,
            "How far the derivative's answer to a set-point step may rise again after its peak, share of the peak: "
            "more is more accurate at the upper edge of the band",
@@ -92,8 +113,8 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
 void ControllerRequest::check(const Options& options) const {
   if (model_) return;
   const auto& gains = config_.gains;
-  if (!options["--kp"].is_given() && !options["--ki"].is_given() && !options["--kd"].is_given())
-    throw std::invalid_argument("expected at least one of --kp, --ki and --kd, or --model");
+  if (!cascade_ && !options["--kp"].is_given() && !options["--ki"].is_given() && !options["--kd"].is_given())
+    throw std::invalid_argument("expected at least one of --kp, --ki and --kd, or --cascade or --model");
   const bool needs_band = (gains.ki != 0 && gains.lambda != 1) || (gains.kd != 0 && gains.mu != 1);
   if (!band_ && needs_band)
     throw std::invalid_argument("--band is required for orders other than 1: LOW:HIGH in rad/s");
@@ -101,6 +122,11 @@ void ControllerRequest::check(const Options& options) const {
 
 frac::FractionalPidDesign ControllerRequest::pid(Options& options) {
   if (band_) config_.band = *band_;
+  if (cascade_) {
+    config_.gains = frac::pid_of(*cascade_);
+    config_.setpoint_weight = frac::setpoint_weight_of(*cascade_);
+    config_.derivative_setpoint_weight = 0;
+  }
   if (const auto goal = goal_.goal()) config_.goal = *goal;
   config_.discretisation = discretisation_.value_or(frac::Discretisation::direct);
   options["--discretisation"].say(std::string(frac::to_string(config_.discretisation)));

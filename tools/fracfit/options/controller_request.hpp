@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frac/digital/c_header.hpp"
+#include "frac/digital/cascade_gains.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "options/model_options.hpp"
@@ -38,6 +39,7 @@ class ControllerRequest {
 
   frac::FractionalPidConfig config_;
   std::optional<frac::FractionalTransferFunction> model_;
+  std::optional<frac::CascadeGains> cascade_;
   std::optional<frac::FrequencyBand> band_;
   GoalOptions goal_;
   std::optional<frac::Discretisation> discretisation_;

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "frac/structure.hpp"
+#include "io/data_error.hpp"
+#include "options/drive_options.hpp"
 #include "options/model_options.hpp"
 
 namespace fracfit {
@@ -71,8 +73,11 @@ void add_open_receptances(Options& options, std::string& load, std::string& driv
 
 void LoopOptions::add(Options& options) {
   options
-      .text("--controller", controller_, "C of the force -C(s) x on body 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
-            "FORMULA")
+      .text(
+          "--controller", controller_,
+          "C of the force -C(s) x on body 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'; or 'cascade(K1, K2, T)', the position "
+          "controller K1 around the speed controller K2 (1 + 1/(T s))",
+          "FORMULA")
       .required();
   options.number("--mass1", mass1_).default_is("1");
   options.number("--mass2", mass2_).default_is("1");
@@ -111,7 +116,9 @@ LoopOptions::Parts LoopOptions::parts(const std::string& name, double value) con
     is_known = is_known || formula.has(name);
     return formula.with(name, value);
   };
-  const frac::FractionalTransferFunction controller = formula_of("--controller", controller_);
+  const auto cascade = Cascade::of("--controller", controller_);
+  const frac::FractionalTransferFunction controller =
+      formula_of("--controller", cascade ? cascade->formula() : controller_);
   const frac::FractionalTransferFunction load =
       load_.empty() ? backlash::free_mass(mass1) : formula_of("--load-receptance", load_);
   const frac::FractionalTransferFunction drive =
@@ -122,6 +129,17 @@ LoopOptions::Parts LoopOptions::parts(const std::string& name, double value) con
                                 "clearance and restitution");
   }
   return {clearance, restitution, mass1, mass2, controller, load, drive};
+}
+
+double LoopOptions::set_point_lag() const {
+  const auto cascade = Cascade::of("--controller", controller_);
+  if (!cascade) return 0;
+  const frac::FractionalTransferFunction gain = Formula("--controller", cascade->position_gain).with({}, NAN);
+  const double value = gain.response(1).real();
+  if (!(value > 0))
+    throw std::invalid_argument("--controller " + io::quoted(controller_) + ": K1 is " + cascade->position_gain +
+                                "; allowed is above 0");
+  return 1 / value;
 }
 
 backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) const {

@@ -34,6 +34,8 @@ class LoopOptions {
   [[nodiscard]] backlash::ControlLoop loop(const std::string& name = {}, double value = NAN) const;
   /// The same with contacts that take time and dry friction in place of the restitution.
   [[nodiscard]] backlash::CompliantLoop loop(const CompliantOptions& contact) const;
+  /// s, of the set-point before the controller, see SetPoint; 0 but of a cascade.
+  [[nodiscard]] double set_point_lag() const;
   /// @throws std::invalid_argument  a restitution that is missing, or given and varied.
   void check(const std::string& varied = {}) const;
 

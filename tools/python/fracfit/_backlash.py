@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import Any
 
@@ -262,6 +263,67 @@ def contact_of_frequency(
         raise ValueError("give either restitution or ratio, of the damping of the contact")
     damping = number(ratio, "ratio") if restitution is None else _core.damping_ratio_of_restitution(number(restitution, "restitution"))
     return {"contact_stiffness": mass * frequency**2, "contact_damping": 2 * damping * mass * frequency}
+
+
+@named
+def drive(
+    *,
+    inertia1: float = 1.0,
+    inertia2: float = 1.0,
+    gear_ratio: float = 1.0,
+    gap_degrees: float | None = None,
+    torque: Any = None,
+    torque_limit: float | None = None,
+    friction_torque1: float | None = None,
+    friction_torque2: float | None = None,
+    load_torque: float | None = None,
+    step_degrees: float | None = None,
+) -> dict[str, Any]:
+    """A rotating drive as two masses, seen from the shaft of its load: words for the functions that take such a scene.
+
+    Positions are then angles in rad and forces torques in N m; x2 is the angle of the motor over the gear ratio, and a force the
+    torque of the motor times it.
+
+    Parameters
+    ----------
+    inertia1, inertia2 : float
+        Of the load and of the motor, each at its own shaft, kg m^2.
+    gear_ratio : float
+        Turns of the motor per turn of the load.
+    gap_degrees : float, optional
+        Backlash at the shaft of the load, degrees.
+    torque, torque_limit : float, optional
+        Of the motor, N m: amplitude, or several, and largest one of the actuator.
+    friction_torque1, friction_torque2 : float, optional
+        Dry friction of the load and of the motor, N m.
+    load_torque : float, optional
+        Constant torque on the load, N m.
+    step_degrees : float, optional
+        Step of the set-point at the shaft of the load, degrees.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.drive(inertia1=0.2, inertia2=0.01, gear_ratio=5, torque=[2, 4])
+    {'mass1': 0.2, 'mass2': 0.25, 'force': [10.0, 20.0]}
+    """
+    ratio = number(gear_ratio, "gear_ratio")
+    if not ratio > 0:
+        raise ValueError(f"gear_ratio is {ratio:g}; allowed is above 0")
+    values = {
+        "mass1": (inertia1, "inertia1", 1.0),
+        "mass2": (inertia2, "inertia2", ratio**2),
+        "clearance": (gap_degrees, "gap_degrees", math.pi / 180),
+        "force_limit": (torque_limit, "torque_limit", ratio),
+        "friction1": (friction_torque1, "friction_torque1", 1.0),
+        "friction2": (friction_torque2, "friction_torque2", ratio),
+        "disturbance1": (load_torque, "load_torque", 1.0),
+        "setpoint_step": (step_degrees, "step_degrees", math.pi / 180),
+    }
+    scene: dict[str, Any] = {name: number(value, word) * factor for name, (value, word, factor) in values.items() if value is not None}
+    if torque is not None:
+        scene["force"] = number(torque, "torque") * ratio if np.ndim(torque) == 0 else (real_array(torque, "torque") * ratio).tolist()
+    return scene
 
 
 @named

@@ -363,7 +363,8 @@ def loop(
     contact_stiffness: float | None = None, contact_damping: float | None = None, friction1: float | None = None, friction2: float | None = None,
     body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
     setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
-    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
+    setpoint_lag: float = 0.0, disturbance1: float = 0.0, disturbance2: float = 0.0,
+    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, encoder_step: float = 0.0, force_limit: float = math.inf,
     tolerance: float = 1e-8, whole_memory: bool = False, impacts: int = 2000,
     record: Literal[False] = False,
 ) -> LoopMotion: ...  # fmt: skip
@@ -374,7 +375,8 @@ def loop(
     contact_stiffness: float | None = None, contact_damping: float | None = None, friction1: float | None = None, friction2: float | None = None,
     body: str = "x1", velocity1: float = 0.0, velocity2: float = 0.0, setpoint_step: float = 0.0, setpoint_ramp: float = 0.0,
     setpoint_sine: tuple[float, float] | None = None, setpoint: TimeSeries | tuple[Any, Any] | None = None,
-    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, force_limit: float = math.inf,
+    setpoint_lag: float = 0.0, disturbance1: float = 0.0, disturbance2: float = 0.0,
+    duration: float = 100.0, every: float = 0.0, sample_time: float | None = None, encoder_step: float = 0.0, force_limit: float = math.inf,
     tolerance: float = 1e-8, whole_memory: bool = False, impacts: int = 2000,
     record: Literal[True], sensor_noise: float = 0.0, force_noise: float = 0.0, quantisation: float = 0.0, clip: float = math.inf,
     sensor_delay: float = 0.0, clock_jitter: float = 0.0, seed: int = 1,
@@ -400,9 +402,13 @@ def loop(
     setpoint_ramp: float = 0.0,
     setpoint_sine: tuple[float, float] | None = None,
     setpoint: TimeSeries | tuple[Any, Any] | None = None,
+    setpoint_lag: float = 0.0,
+    disturbance1: float = 0.0,
+    disturbance2: float = 0.0,
     duration: float = 100.0,
     every: float = 0.0,
     sample_time: float | None = None,
+    encoder_step: float = 0.0,
     force_limit: float = math.inf,
     tolerance: float = 1e-8,
     whole_memory: bool = False,
@@ -432,10 +438,17 @@ def loop(
         Amplitude (m) and frequency (rad/s) of a sine in it.
     setpoint : (array_like, array_like) or TimeSeries, optional
         Instants (s, from 0 on) and values (m) of a further part, straight between them; of a record its input.
+    setpoint_lag : float
+        s: the set-point passes 1/(setpoint_lag s + 1) first. A position controller K1 around a speed controller K2 (1 + 1/(T s)) is the
+        controller ``(K1 + s) (K2 + K2/(T s))`` with the lag 1/K1.
+    disturbance1, disturbance2 : float
+        N: constant forces on the bodies from time 0 on.
     duration, every : float
         s: time to follow, and between rows besides two per impact (0: none).
     sample_time : float, optional
         s: the controller runs in a computer as kp + ki/s^lambda + kd s^mu, its force held between samples.
+    encoder_step : float
+        m: with sample_time, step of the position that the computer reads; 0: none.
     force_limit : float
         N, of the actuator.
     tolerance : float
@@ -476,6 +489,10 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
+    if sample_time is not None and disturbance1 != 0:
+        raise ValueError("disturbance1 has no meaning with sample_time, whose forces act on body 2")
+    if sample_time is None and encoder_step != 0:
+        raise ValueError("encoder_step has no meaning without sample_time, whose computer reads an encoder")
     contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
     if contact is not None and (sample_time is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "sample_time"
@@ -494,9 +511,12 @@ def loop(
         "setpoint_sine": None if setpoint_sine is None else pair(setpoint_sine, "setpoint_sine"),
         "setpoint_time": instants,
         "setpoint_value": values,
+        "setpoint_lag": number(setpoint_lag, "setpoint_lag"),
+        "disturbance": (number(disturbance1, "disturbance1"), number(disturbance2, "disturbance2")),
         "duration": number(duration, "duration"),
         "every": number(every, "every"),
         "sample_time": None if sample_time is None else number(sample_time, "sample_time"),
+        "encoder_step": number(encoder_step, "encoder_step"),
         "force_limit": number(force_limit, "force_limit"),
         "tolerance": number(tolerance, "tolerance"),
         "whole_memory": flag(whole_memory, "whole_memory"),

@@ -106,6 +106,7 @@ backlash::SetPoint set_point_of(const py::dict& given) {
   backlash::SetPoint set_point;
   set_point.step = given["setpoint_step"].cast<double>();
   set_point.ramp = given["setpoint_ramp"].cast<double>();
+  set_point.lag = given["setpoint_lag"].cast<double>();
   if (!given["setpoint_sine"].is_none())
     std::tie(set_point.sine_amplitude, set_point.sine_omega) = given["setpoint_sine"].cast<std::pair<double, double>>();
   if (!given["setpoint_time"].is_none()) {
@@ -123,6 +124,8 @@ py::dict followed(const Loop& loop, const backlash::SetPoint& set_point, const p
   options.duration = number("duration");
   options.sample_time = number("every");
   options.force_limit = number("force_limit");
+  std::tie(options.disturbance.body1, options.disturbance.body2) =
+      given["disturbance"].cast<std::pair<double, double>>();
   options.tolerance = number("tolerance");
   options.whole_memory = given["whole_memory"].cast<bool>();
   options.most_impacts = given["impacts"].cast<std::size_t>();
@@ -161,7 +164,9 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
   options.force_limit = number("force_limit");
   options.velocity1 = number("velocity1");
   options.velocity2 = number("velocity2");
+  options.encoder_step = number("encoder_step");
   options.set_point = set_point;
+  options.disturbance = given["disturbance"].cast<std::pair<double, double>>().second;
   const auto [history, note] = result_of([&](frac::Progress&) {
     return std::pair(backlash::simulate_sampled_loop(loop, options),
                      frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note());

@@ -34,6 +34,16 @@ struct SetPoint {
   double sine_amplitude = 0;  // m
   double sine_omega = 0;      // rad/s, > 0 with an amplitude
   std::vector<SetPointKnot> knots = {};
+  /// s, >= 0: all of it passes 1/(lag s + 1) before the controller gets it.  A position controller K1 around a speed
+  /// controller K2 (1 + 1/(T s)) leaves the derivative to the position: its force K2 (1 + 1/(T s)) (K1 (r - x) - s x)
+  /// is C (r/(lag s + 1) - x) with C = K2 (1 + 1/(T s)) (K1 + s) and the lag 1/K1, from a start at 0.
+  double lag = 0;
+};
+
+/// Constant forces on the bodies from t = 0 on, N: a torque of the load, weight.
+struct Disturbance {
+  double body1 = 0;
+  double body2 = 0;
 };
 
 /// contact: the bodies stay at a wall together from there on; release: until there.
@@ -88,7 +98,8 @@ struct LoopSimulationOptions {
   /// N, > 0: of the actuator.  Without one a derivative of order 1 that meets a step of the set-point throws mass 2 at
   /// once, by its gain times the step over the mass; with one nothing of that impulse arrives.
   double force_limit = std::numeric_limits<double>::infinity();
-  bool rows_at_impacts = true;                                   // else samples alone
+  bool rows_at_impacts = true;  // else samples alone
+  Disturbance disturbance = {};
 };
 
 /// Motion of the loop.  Between impacts it is a sum of exponentials and a polynomial: exact for whole powers of s, and
@@ -99,11 +110,11 @@ struct LoopSimulationOptions {
 /// With whole_memory x1 is linear in time between impacts, so that s^q x1 is a sum of (t - t_i)^(1 - q)/Gamma(2 - q)
 /// over all earlier ones.  Rounding grows with the time since the start, as that to the power of 2 less the lowest
 /// order of the controller.
-/// @throws std::invalid_argument  dead time with x2 measured; what whole_memory does not follow; a step of the
-///                                set-point
-///                                with powers above 1, whose force throws mass 2 at infinite speed; a start outside the
-///                                clearance or not finite; a duration, sample time, tolerance, limit or number of
-///                                impacts that is none, knots that do not rise from time 0, or more than 10^7 rows.
+/// @throws std::invalid_argument  dead time with x2 measured or a force on body 1; what whole_memory does not follow; a
+///                                step of the set-point without a lag with powers above 1, whose force throws mass 2 at
+///                                infinite speed; a start outside the clearance or not finite; a duration, sample time,
+///                                tolerance, limit or number of impacts that is none, knots that do not rise from time
+///                                0, or more than 10^7 rows.
 [[nodiscard]] LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                                         const LoopSimulationOptions& options = {});
 

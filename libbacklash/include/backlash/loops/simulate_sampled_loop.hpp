@@ -17,7 +17,11 @@ struct SampledLoopOptions {
   double force_limit = std::numeric_limits<double>::infinity();  // N, > 0: of the actuator; the integral is held there
   double velocity1 = 0;                                          // m/s, at the start; both bodies begin at 0
   double velocity2 = 0;
+  /// A step and a ramp; its lag only where the controller is 0 at s = -1/lag: that of a cascade.  The PID then has the
+  /// set-point weights kd/(lag kp) and 0, which is the same but for the integral of the speed, half a sample apart.
   SetPoint set_point;
+  double disturbance = 0;   // N, on body 2 from t = 0 on
+  double encoder_step = 0;  // m, >= 0: the controller reads the nearest multiple; 0: the position itself
 };
 
 struct SampledLoopHistory {

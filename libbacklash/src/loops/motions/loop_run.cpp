@@ -26,6 +26,7 @@ LoopRun::LoopRun(const RealisedLoop& loop, const LoopStart& start, const SetPoin
   if (speed > 0) step_ = std::min(step_, system_.clearance() / speed);
   fastest_ += 1e9 * (speed + std::abs(set_point.ramp) + std::abs(set_point.step) * loop.pace() +
                      std::abs(set_point.sine_amplitude) * set_point.sine_omega);
+  fastest_ += 1e9 * loop.push() / loop.pace();
   const double delay = loop.delay();
   using Kind = Planned::Kind;
   if (loop.has_twin()) plan({delay, Kind::twin_starts, start.x1});
@@ -238,7 +239,7 @@ double LoopRun::distance(const LoopRun& other) const {
 
 LoopHistory run_loop(const ControlLoop& of, const LoopStart& start, const SetPoint& set_point,
                      const LoopSimulationOptions& options) {
-  const RealisedLoop loop(of, set_point, options.force_limit, options.tolerance);
+  const RealisedLoop loop(of, set_point, options.force_limit, options.tolerance, options.disturbance);
   LoopRun run(loop, start, set_point);
   LoopHistory history{{}, {}, LoopEnd::duration, options.duration, loop.error()};
   const auto end_at = [&](LoopEnd end) {

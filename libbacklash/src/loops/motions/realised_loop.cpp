@@ -36,10 +36,12 @@ double crossover(const ControlLoop& loop) {
   return 1;
 }
 
-RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance)
+RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
+                           const Disturbance& disturbance)
     : system_(loop.system()),
       set_point_(set_point),
       force_limit_(force_limit),
+      disturbance_(disturbance),
       delay_(loop.controller().delay()),
       is_driven_(loop.measured() == Output::x2),
       pace_(crossover(loop)),
@@ -49,9 +51,10 @@ RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, d
   }
   const auto states = [&](Index count) { return std::exchange(size_, size_ + count); };
   states(bodies_states);
-  if (std::isfinite(force_limit_)) one_ = states(1);
+  if (std::isfinite(force_limit_) || disturbance_.body1 != 0 || disturbance_.body2 != 0) one_ = states(1);
   if (set_point_.step != 0 || set_point_.ramp != 0 || !set_point_.knots.empty()) reference_ = states(2);
   if (set_point_.sine_amplitude != 0) sine_ = states(2);
+  if (set_point_.lag > 0) lagged_ = states(1);
   if (delay_ > 0) twin_ = states(2);
   place_bodies(loop.bodies(), tolerance);
   controller_ = place(loop.controller(), 0, tolerance);
@@ -93,7 +96,13 @@ void RealisedLoop::choose_scale() {
   }
   if (!controller_) scale_.segment(sine_, 2) << 1, pace_;
   if (phasor_ >= 0) scale_.segment(phasor_, 2).setConstant(length / pace_);
-  if (one_ >= 0) scale_[one_] = system_.mass2() * length * pace_ * pace_ / force_limit_;
+  if (lagged_ >= 0) scale_[lagged_] = length;
+  if (one_ >= 0) {
+    const double force = std::isfinite(force_limit_)
+                             ? force_limit_
+                             : std::max(std::abs(disturbance_.body1), std::abs(disturbance_.body2));
+    scale_[one_] = system_.mass2() * length * pace_ * pace_ / force;
+  }
   for (const std::optional<PlacedOperator>* placed : {&load_, &drive_, &twin_load_, &controller_}) {
     if (*placed) (*placed)->scale(scale_, length, pace_);
   }
@@ -117,21 +126,31 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   const Row none = Row::Zero(size_);
   // The signal that the controller follows.
   const Index followed = is_driven_ ? Index{x2} : has_twin() ? twin_ : Index{x1};
-  Row error = -unit(followed);
-  Row error_rate = -unit(followed + 1);
-  Row reference_acceleration = none;
+  Row asked = none, asked_rate = none, asked_acceleration = none;
   if (reference_ >= 0) {
-    error += unit(reference_);
-    error_rate += unit(reference_ + 1);
+    asked += unit(reference_);
+    asked_rate += unit(reference_ + 1);
   }
   if (sine_ >= 0) {
-    error += unit(sine_);
-    error_rate += unit(sine_ + 1);
-    reference_acceleration = -set_point_.sine_omega * set_point_.sine_omega * unit(sine_);
+    asked += unit(sine_);
+    asked_rate += unit(sine_ + 1);
+    asked_acceleration = -set_point_.sine_omega * set_point_.sine_omega * unit(sine_);
   }
+  const Row sine_acceleration = asked_acceleration;
+  if (lagged_ >= 0) {
+    const Row rate = (asked - unit(lagged_)) / set_point_.lag;
+    asked_acceleration = (asked_rate - rate) / set_point_.lag;
+    asked_rate = rate;
+    asked = unit(lagged_);
+  }
+  const Row error = asked - unit(followed), error_rate = asked_rate - unit(followed + 1);
   const Row wanted = controller_ ? controller_->output(error, error_rate) : Row(sine_force_ * unit(sine_));
-  const Row resisted1 = load_ ? load_->output(unit(x1), unit(v1)) : none;
-  const Row resisted2 = drive_ ? drive_->output(unit(x2), unit(v2)) : none;
+  Row resisted1 = load_ ? load_->output(unit(x1), unit(v1)) : none;
+  Row resisted2 = drive_ ? drive_->output(unit(x2), unit(v2)) : none;
+  if (one_ >= 0) {
+    resisted1 -= disturbance_.body1 * unit(one_);
+    resisted2 -= disturbance_.body2 * unit(one_);
+  }
   const Row force = mode.limit == Limit::none   ? wanted
                     : mode.limit == Limit::high ? Row(force_limit_ * unit(one_))
                                                 : Row(-force_limit_ * unit(one_));
@@ -151,8 +170,9 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   if (reference_ >= 0) a.row(reference_) = unit(reference_ + 1);
   if (sine_ >= 0) {
     a.row(sine_) = unit(sine_ + 1);
-    a.row(sine_ + 1) = reference_acceleration;
+    a.row(sine_ + 1) = sine_acceleration;
   }
+  if (lagged_ >= 0) a.row(lagged_) = asked_rate;
   if (has_twin()) {
     a.row(twin_) = unit(twin_ + 1);
     a.row(twin_ + 1) = twin_acceleration;
@@ -161,7 +181,7 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   if (drive_) drive_->fill(a, unit(x2), unit(v2), acceleration2);
   if (twin_load_) twin_load_->fill(a, unit(twin_), unit(twin_ + 1), twin_acceleration);
   const Row followed_acceleration = is_driven_ ? acceleration2 : has_twin() ? twin_acceleration : acceleration1;
-  if (controller_) controller_->fill(a, error, error_rate, reference_acceleration - followed_acceleration);
+  if (controller_) controller_->fill(a, error, error_rate, asked_acceleration - followed_acceleration);
   if (phasor_ >= 0) {
     // w' = j omega w + x: e^{-j omega t} w is the integral of x e^{-j omega t}.
     a.row(phasor_) = unit(followed) - set_point_.sine_omega * unit(phasor_ + 1);
@@ -215,17 +235,21 @@ void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
   if (!set_point_.knots.empty()) step += set_point_.knots.front().value;
   if (reference_ >= 0) {
     state[reference_] += step;
-    controller_->kick(state, 1, step);
-    // A derivative that meets a step kicks mass 2; an actuator of limited force has no time for that.
-    if (step != 0 && controller_->of.on_velocity != 0 && std::isinf(force_limit_)) {
-      jump(state, 0, controller_->of.on_velocity * step / system_.mass2());
+    if (lagged_ >= 0) {
+      // Behind a lag a step is a bend.
+      controller_->kick(state, 2, step / set_point_.lag);
+    } else {
+      controller_->kick(state, 1, step);
+      // A derivative that meets a step kicks mass 2; an actuator of limited force has no time for that.
+      if (step != 0 && controller_->of.on_velocity != 0 && std::isinf(force_limit_))
+        jump(state, 0, controller_->of.on_velocity * step / system_.mass2());
     }
     set_point_bends(state, set_point_.ramp);
   }
   if (controller_ && sine_ >= 0) {
     const double slope = set_point_.sine_amplitude * set_point_.sine_omega;
     state[sine_ + 1] += slope;
-    controller_->kick(state, 2, slope);
+    if (lagged_ < 0) controller_->kick(state, 2, slope);
   }
 }
 
@@ -237,7 +261,7 @@ std::complex<double> RealisedLoop::take_phasor(Eigen::VectorXd& state) const {
 
 void RealisedLoop::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
   state[reference_ + 1] += change_of_slope;
-  controller_->kick(state, 2, change_of_slope);
+  if (lagged_ < 0) controller_->kick(state, 2, change_of_slope);
 }
 
 }  // namespace backlash::detail

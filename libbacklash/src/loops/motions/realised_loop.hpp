@@ -33,7 +33,8 @@ class RealisedLoop {
  public:
   /// @param tolerance  of fractional powers, relative over the frequencies of the motion
   /// @throws std::invalid_argument  dead time with the driven body measured.
-  RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance);
+  RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
+               const Disturbance& disturbance = {});
   /// The bodies under a force, without a controller.
   /// @param output  whose phasor is formed
   RealisedLoop(const LinearBodies& bodies, const SineForce& force, Output output, double tolerance);
@@ -69,6 +70,10 @@ class RealisedLoop {
 
   [[nodiscard]] const TwoMassSystem& system() const noexcept { return system_; }
   [[nodiscard]] double force_limit() const noexcept { return force_limit_; }
+  /// m/s^2, of forces that disturb.
+  [[nodiscard]] double push() const noexcept {
+    return std::abs(disturbance_.body1) / system_.mass1() + std::abs(disturbance_.body2) / system_.mass2();
+  }
   [[nodiscard]] double delay() const noexcept { return delay_; }
   [[nodiscard]] bool has_twin() const noexcept { return twin_ >= 0; }
   /// rad/s, at which the rigid loop crosses over, or of the sine force: of the motion.
@@ -89,13 +94,14 @@ class RealisedLoop {
   TwoMassSystem system_;
   SetPoint set_point_;
   double force_limit_;
+  Disturbance disturbance_;
   double delay_ = 0;
   bool is_driven_;  // x2 is measured or read
   double pace_;
   frac::FrequencyBand band_;
   double error_ = 0;
   Eigen::Index size_ = 0;
-  Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, twin_ = -1, phasor_ = -1;
+  Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, lagged_ = -1, twin_ = -1, phasor_ = -1;
   std::optional<PlacedOperator> load_, drive_, twin_load_;
   std::optional<PlacedOperator> controller_;
   double sine_force_ = 0;  // N, in place of the controller

@@ -231,12 +231,17 @@ void require_whole_memory(const ControlLoop& loop, const SetPoint& set_point, co
   if (set_point.sine_amplitude != 0 || !set_point.knots.empty()) {
     throw std::invalid_argument("with the whole memory the set-point is a step and a ramp");
   }
+  if (set_point.lag > 0 || options.disturbance.body1 != 0 || options.disturbance.body2 != 0) {
+    throw std::invalid_argument(
+        "a lag of the set-point and forces that disturb are not followed with the whole memory");
+  }
 }
 
 void require_set_point(const ControlLoop& loop, const SetPoint& set_point) {
   for (const double value : {set_point.step, set_point.ramp, set_point.sine_amplitude, set_point.sine_omega}) {
     if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
   }
+  detail::require_not_negative("lag of the set-point", "s", set_point.lag);
   if (set_point.sine_amplitude != 0)
     detail::require_positive("frequency of the set-point", "rad/s", set_point.sine_omega);
   double last = -1;
@@ -251,7 +256,7 @@ void require_set_point(const ControlLoop& loop, const SetPoint& set_point) {
   const double step = set_point.step + (set_point.knots.empty() ? 0 : set_point.knots.front().value);
   const frac::FractionalTransferFunction& controller = loop.controller();
   const double growth = controller.numerator().front().order - controller.denominator().front().order;
-  if (step != 0 && growth > 1) {
+  if (step != 0 && growth > 1 && set_point.lag == 0) {
     throw std::invalid_argument("a step of the set-point meets s^" + detail::text(growth) +
                                 ", which throws mass 2 at infinite speed; orders up to 1 are allowed with a step");
   }
@@ -344,6 +349,10 @@ void detail::require_simulated(const ControlLoop& loop, const LoopStart& start, 
     throw std::invalid_argument("tolerance " + detail::text(options.tolerance) + "; allowed is 1e-12 to 0.1");
   }
   if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
+  for (const double force : {options.disturbance.body1, options.disturbance.body2})
+    if (!std::isfinite(force)) throw std::invalid_argument("a force that disturbs is not finite");
+  if (options.disturbance.body1 != 0 && loop.controller().delay() > 0)
+    throw std::invalid_argument("a force that disturbs body 1 is not followed with a dead time");
   if (options.whole_memory) require_whole_memory(loop, set_point, options);
 }
 

@@ -44,6 +44,19 @@ frac::FractionalPidConfig sampled_controller(const ControlLoop& loop, const Samp
     throw std::invalid_argument(
         "a sampled loop runs a controller kp + ki/s^lambda + kd s^mu with a dead time; this one has other terms");
   }
+  if (const double lag = options.set_point.lag; lag > 0) {
+    const auto& [kp, ki, kd, lambda, mu] = config.gains;
+    // kp b + ki/s = C/(lag s + 1) takes kp b lag = kd and kp (1 - b) = ki lag.
+    const double rest = std::abs(kp - ki * lag - kd / lag);
+    constexpr double rounding = 1e-12;
+    if (!(kp > 0) || (ki != 0 && lambda != 1) || mu != 1 || rest > rounding * kp) {
+      throw std::invalid_argument(
+          "a sampled loop takes a lag of the set-point only of a cascade, whose controller is 0 "
+          "at s = -1/lag");
+    }
+    config.setpoint_weight = kd / (lag * kp);
+    config.derivative_setpoint_weight = 0;
+  }
   return config;
 }
 
@@ -51,9 +64,14 @@ SampledLoopHistory simulate_sampled_loop(const ControlLoop& loop, const SampledL
   if (!loop.bodies().are_free()) throw std::invalid_argument("a sampled loop is simulated with two free masses");
   detail::require_positive("duration", "s", options.duration);
   if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
-  for (const double value : {options.velocity1, options.velocity2, options.set_point.step, options.set_point.ramp}) {
+  for (const double value : {options.velocity1, options.velocity2, options.set_point.step, options.set_point.ramp,
+                             options.set_point.lag, options.disturbance}) {
     if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
   }
+  detail::require_not_negative("step of the encoder", "m", options.encoder_step);
+  const auto read = [step = options.encoder_step](double position) {
+    return step > 0 ? step * std::round(position / step) : position;
+  };
   const double time = options.sample_time;
   frac::FractionalPid<double> controller(sampled_controller(loop, options));
   if (options.duration / time > 1e7) {
@@ -72,11 +90,11 @@ SampledLoopHistory simulate_sampled_loop(const ControlLoop& loop, const SampledL
     const double now = static_cast<double>(n) * time;
     const double x2 = state.position2 - half;
     const double set_point = options.set_point.step + options.set_point.ramp * now;
-    waiting.push_back(controller.step(set_point, loop.measured() == Output::x1 ? state.position1 : x2));
+    waiting.push_back(controller.step(set_point, read(loop.measured() == Output::x1 ? state.position1 : x2)));
     const double force = waiting.front();
     waiting.pop_front();
     history.rows.push_back({now, state.position1, state.velocity1, x2, state.velocity2, force, LoopEvent::sample});
-    if (n < samples) plant.advance(force, time);
+    if (n < samples) plant.advance(force + options.disturbance, time);
   }
   history.impacts = plant.impacts();
   return history;
