@@ -636,6 +636,128 @@ TEST(Clipping, IsSaidOfSignalsThatStayAtALimit) {
   EXPECT_FALSE(frac::is_clipped(through(sine, [](double u) { return u > 0 ? 1.0 : -1.0; })));
 }
 
+bool says_folding(const frac::ResponseEstimate& found) {
+  return std::any_of(found.remarks.begin(), found.remarks.end(),
+                     [](const auto& remark) { return remark.find("aliasing") != std::string::npos; });
+}
+
+// A linear machine has no lines up to half the sampling rate; each record may be called so once in 1000: 0.1 of 90
+// stepped sines and 0.2 of 180 multisines, of which 2 are four deviations or more.  A relay, whose
+// harmonics fall as 1/k, has them: its eighth or thirteenth harmonic is ten times the noise of a line or more.
+TEST(Aliasing, IsSaidOfHarmonicsAtHalfTheSamplingRate) {
+  std::mt19937_64 generator(41);
+  int stepped = 0, periodic = 0;
+  for (int seed = 0; seed < 30; ++seed)
+    for (const auto which : {RecordCase::stepped, RecordCase::stepped_coloured, RecordCase::stepped_jitter,
+                             RecordCase::white, RecordCase::coloured, RecordCase::input_noise, RecordCase::closed_loop,
+                             RecordCase::jitter, RecordCase::transient}) {
+      ResponseOptions options;
+      options.excitation = support::is_stepped(which) ? Excitation::stepped_sine : Excitation::periodic;
+      if (!support::is_stepped(which)) options.period = 128;
+      const bool said = says_folding(frac::response({support::simulated_record(which, 10, generator)}, options));
+      (support::is_stepped(which) ? stepped : periodic) += said ? 1 : 0;
+    }
+  EXPECT_LE(stepped, 2);
+  EXPECT_LE(periodic, 2);
+  std::normal_distribution<double> normal;
+  for (int seed = 0; seed < 20; ++seed) {
+    const auto input = sampled(2000, [](double t) { return std::sin(2 * pi * t / 16.3 + 0.2); });
+    const auto relay = through(input, [&](double u) { return (u > 0 ? 1.0 : -1.0) + 0.05 * normal(generator); });
+    EXPECT_TRUE(says_folding(frac::response({Record(1, input, {relay})})));
+    const auto sines = Multisine::random(100, lines_to(10), generator);
+    const auto drive = sampled(2000, [&](double t) { return sines.value(t); });
+    const auto switched = through(drive, [&](double u) { return (u > 0 ? 1.0 : -1.0) + 0.05 * normal(generator); });
+    EXPECT_TRUE(says_folding(frac::response({Record(1, drive, {switched})})));
+  }
+}
+
+// Signals of a converter of so many bits (0: none), with noise of some of its steps: a sine of 200 samples per cycle,
+// the staircase of a held command, a hammer that hits now and then, noise that is low in frequency.
+std::vector<double> reading(int kind, int bits, double noise_steps, std::mt19937_64& generator) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0, 1);
+  const double step = std::pow(2.0, -bits), phase = 6 * unit(generator);
+  double low = 0, lower = 0, held = 0;
+  return sampled(5000, [&](double t) {
+    low = 0.99 * low + normal(generator);
+    lower = 0.99 * lower + 0.001 * low;
+    if (std::fmod(t, 20) == 0) held = unit(generator);
+    const double since = std::fmod(t, 700) - 300;
+    const double value = kind == 0   ? std::sin(0.0314159 * t + phase)
+                         : kind == 1 ? held
+                         : kind == 2 ? (since >= 0 && since < 6 ? std::sin(0.6 * since) : 0.0)
+                                     : lower;
+    const double noisy = value + noise_steps * step * normal(generator);
+    return bits > 0 ? step * std::round(noisy / step) : noisy;
+  });
+}
+
+// No false alarm in 1040 readings that stand still by nature.  Stuck ones are found, and where they are, but where the
+// sine has come back to within four steps by the end: x(t + 20) - x(t) goes as 0.62 cos, which at 8 bits lies within
+// four of its 158 steps in 1.6 % of all cases, in longer standstills and finer steps less often.  Of 200 these are 3.2,
+// and four deviations more are 10.
+TEST(StuckSamples, AreFoundAndNothingElseIs) {
+  std::mt19937_64 generator(31);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int kind = 0; kind < 4; ++kind)
+    for (const int bits : {0, 8, 12, 16})
+      for (const double noise : {0.0, 0.3, 1.0, 3.0}) {
+        if (bits == 0 && noise > 0) continue;
+        for (int seed = 0; seed < 20; ++seed)
+          EXPECT_FALSE(frac::stuck_samples(reading(kind, bits, noise, generator))) << kind << bits << noise;
+      }
+  for (const std::size_t count : {20U, 100U})
+    for (const int bits : {0, 8, 12, 16}) {
+      int found = 0;
+      for (int seed = 0; seed < 200; ++seed) {
+        auto signal = reading(0, bits, bits == 0 ? 0 : 0.3, generator);
+        const auto first = static_cast<std::size_t>(100 + 4500 * unit(generator));
+        for (std::size_t i = 0; i < count; ++i) signal[first + i] = signal[first];
+        const auto stuck = frac::stuck_samples(signal);
+        // Samples before and after may have the same reading.
+        if (stuck && stuck->first <= first && stuck->first + stuck->count >= first + count) ++found;
+      }
+      EXPECT_GE(found, 190) << bits << " " << count;
+    }
+}
+
+// The instants of pulses of one sample, which come at the first sample after a passage, are known to half a sample, and
+// so are those of a line through them; of a sine chords err by h^3 sqrt(3)/108 rad, h = 2 pi/37.3.
+TEST(Trigger, TellsPeriodAndPhase) {
+  const double period = 37.3, phase = 0.5;
+  const auto turns = [&](double t) { return t / period + phase / (2 * pi); };
+  const auto pulses =
+      sampled(4000, [&](double t) { return std::floor(turns(t)) > std::floor(turns(t - 1)) ? 5.0 : 0.1; });
+  const auto sine = sampled(4000, [&](double t) { return std::sin(2 * pi * turns(t)); });
+  for (const auto* trigger : {&pulses, &sine}) {
+    const auto instants = frac::trigger_instants(*trigger);
+    ASSERT_NEAR(static_cast<double>(instants.size()), 107, 1);
+    const double half = trigger == &pulses ? 0.5 : 0.001;
+    for (const double each : instants) {
+      const double turn = turns(each);
+      EXPECT_LE(std::abs(turn - std::round(turn)) * period, half + 1e-9);
+    }
+    // A mean of 107 instants errs by 0.29 samples over the root of 107; four of it.
+    const auto cosine = frac::cosine_of(instants, sine);
+    for (std::size_t i = 0; i < 4000; i += 13)
+      EXPECT_NEAR(cosine[i], std::cos(2 * pi * turns(static_cast<double>(i))), 2 * pi / period * 4 * 0.29 / 10.3);
+    const auto found = frac::period_of(sine, instants);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(*found, period, 1e-3);
+  }
+  // A frequency that rises by a fifth: the phase follows, half a sample beside it at most where the pulse is; between
+  // pulses the frequency changes by 0.2/120 of itself, which turns by 2 pi 0.2/120/8.
+  const auto rising = [&](double t) { return t / period * (1 + 0.1 * t / 4000); };
+  const auto swept =
+      sampled(4000, [&](double t) { return std::floor(rising(t)) > std::floor(rising(t - 1)) ? 1.0 : 0.0; });
+  const auto instants = frac::trigger_instants(swept);
+  EXPECT_FALSE(frac::period_of(swept, instants));
+  const auto cosine = frac::cosine_of(instants, swept);
+  for (std::size_t i = 40; i < 3950; ++i)
+    EXPECT_NEAR(cosine[i], std::cos(2 * pi * rising(static_cast<double>(i))), 2 * pi * 1.2 / period * 0.5 + 0.002) << i;
+  EXPECT_THROW(static_cast<void>(frac::trigger_instants({0, 1, 0, 0, 1, 0})), std::invalid_argument);
+}
+
 TEST(Record, RefusesWhatIsNoRecord) {
   const std::vector<double> good = sampled(20, [](double t) { return std::sin(t); });
   auto bad = good;

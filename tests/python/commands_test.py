@@ -190,6 +190,17 @@ def test_responses_of_records(tmp_path):
     path.write_text(command_line.run("history", *(f"--{name}={value}" for name, value in scene.items()), *asked, "--format", "csv"))
     motion = fracfit.response(path, columns="output=x1_m")
     same_response(motion, command_line.columns_of("response", path, "--columns", "output=x1_m"))
+    # Input and output of two loggers, 0.3 of a step apart.
+    drive, answer = tmp_path / "drive.csv", tmp_path / "answer.csv"
+    for file, late, gain in ((drive, 0.0, 1), (answer, 0.003, 2)):
+        time = 0.01 * np.arange(1000) + late
+        file.write_text("time_s,u,y\n" + "".join(f"{t!r},{u!r},{u!r}\n" for t, u in zip(time.tolist(), (gain * np.cos(9 * time)).tolist())))
+    two = fracfit.response(answer, input_file=drive)
+    same_response(two, command_line.columns_of("response", answer, "--input-file", drive))
+    # The frequency is found to the leakage of a sine into the halves of its record.
+    np.testing.assert_allclose(two.response, 2, atol=1e-3)
+    with pytest.raises(ValueError, match="input_file names 2 files"):
+        fracfit.response(answer, input_file=[drive, drive])
     exact = fracfit.describing_function([20.0], **scene).response[0]
     assert motion.frequency_response().unit == "m/N"
     # Velocities jump by no more than a few of their peaks, so that harmonic k is a few 1/k^2 of the first; those beside the 200th

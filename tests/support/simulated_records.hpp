@@ -223,6 +223,7 @@ struct RecordCoverage {
   int held = 0, whole = 0, flagged = 0;
   int recognised = 0, records = 0;            // kind of excitation, and the period to a thousandth
   double squares = 0;                         // of errors over sigma
+  double errors = 0;                          // their squares
   std::map<int, std::array<int, 2>> of_line;  // held and whole, by line of the period of 128 samples
   [[nodiscard]] double percent() const { return 100.0 * held / std::max(whole, 1); }
 
@@ -266,6 +267,7 @@ struct RecordCoverage {
       auto& line = of_line[static_cast<int>(std::lround(128 * turns))];
       line[0] += here;
       line[1] += 2;
+      errors += std::norm(error);
       squares += std::norm(error) / (2 * point.sigma * point.sigma);
       whole += 2;
     }

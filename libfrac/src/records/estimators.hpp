@@ -37,6 +37,15 @@ struct PeriodLines {
                                               int harmonics);
 [[nodiscard]] Estimated arbitrary_response(const Record& record);
 
+/// Whether the last two lines of the period below half the sampling rate hold more of an output than the noise around
+/// them explains, by chance once in 1000 records of so many segments, and more than the deviation of a point: then
+/// lines above fold back into it.
+[[nodiscard]] bool reaches_half_of_sampling(LineReader& reader, const PeriodLines& found, std::size_t output,
+                                            const ResponsePoint& point, std::size_t segments);
+inline constexpr const char* folds_back =
+    "has lines up to half the sampling rate, stronger than its noise: what lies above them folds back (aliasing); "
+    "sample faster or through a filter";
+
 /// Sets value, amplitude and the deviations of an output from the lines of all channels, of which 0 is the input.
 void set_ratio(const LineEstimate& line, std::size_t output, ResponsePoint& point);
 /// Variance of Student's distribution over that of the normal one: from 2 degrees down there is none.

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 #include <unsupported/Eigen/FFT>
 
 #include "base/median.hpp"
@@ -154,6 +156,21 @@ double refined(const std::vector<double>& correlation, double period, const std:
   return with_whole_samples(period, signal);
 }
 
+/// Slope of a straight line through instants, where all are nearer to it than a sample.
+std::optional<double> equal_distance(const std::vector<double>& instants) {
+  const double middle = 0.5 * static_cast<double>(instants.size() - 1), mean = mean_of(instants);
+  double above = 0, below = 0;
+  for (std::size_t i = 0; i < instants.size(); ++i) {
+    const double place = static_cast<double>(i) - middle;
+    above += place * (instants[i] - mean);
+    below += place * place;
+  }
+  const double slope = above / below;
+  for (std::size_t i = 0; i < instants.size(); ++i)
+    if (std::abs(instants[i] - mean - (static_cast<double>(i) - middle) * slope) >= 1) return std::nullopt;
+  return slope;
+}
+
 }  // namespace
 
 std::string_view to_string(Excitation excitation) {
@@ -299,6 +316,49 @@ Excitation excitation_of(const Record& record) {
   for (const SineSegment& segment : sine_segments(record.drive())) covered += segment.count;
   if (2 * covered > record.size()) return Excitation::stepped_sine;
   return period_of(record.drive()) ? Excitation::periodic : Excitation::arbitrary;
+}
+
+std::vector<double> trigger_instants(const std::vector<double>& trigger) {
+  const auto [least, most] = std::minmax_element(trigger.begin(), trigger.end());
+  const double middle = 0.5 * (*least + *most), quarter = 0.25 * (*most - *least);
+  std::vector<double> instants;
+  double passage = 0;
+  bool armed = false, passed = false;
+  for (std::size_t i = 0; i < trigger.size(); ++i) {
+    if (trigger[i] < middle - quarter) armed = true;
+    if (armed && i > 0 && trigger[i - 1] < middle && trigger[i] >= middle) {
+      passed = true;
+      passage = static_cast<double>(i - 1) + (middle - trigger[i - 1]) / (trigger[i] - trigger[i - 1]);
+    }
+    if (!armed || !passed || trigger[i] <= middle + quarter) continue;
+    instants.push_back(passage);
+    armed = passed = false;
+  }
+  constexpr std::size_t fewest = 3;
+  if (instants.size() < fewest)
+    throw std::invalid_argument("trigger rises " + std::to_string(instants.size()) +
+                                " times; expected at least 3, one in each period");
+  return instants;
+}
+
+std::optional<double> period_of(const std::vector<double>& signal, const std::vector<double>& instants) {
+  const auto period = equal_distance(instants);
+  return period ? std::optional(with_whole_samples(*period, signal)) : std::nullopt;
+}
+
+std::vector<double> cosine_of(std::vector<double> instants, const std::vector<double>& answer) {
+  if (const auto period = period_of(answer, instants)) {
+    const double middle = 0.5 * static_cast<double>(instants.size() - 1), mean = mean_of(instants);
+    for (std::size_t i = 0; i < instants.size(); ++i) instants[i] = mean + (static_cast<double>(i) - middle) * *period;
+  }
+  std::vector<double> cosine(answer.size());
+  std::size_t next = 1;
+  for (std::size_t i = 0; i < cosine.size(); ++i) {
+    const auto at = static_cast<double>(i);
+    while (next + 1 < instants.size() && at >= instants[next]) ++next;
+    cosine[i] = std::cos(2 * std::numbers::pi * (at - instants[next - 1]) / (instants[next] - instants[next - 1]));
+  }
+  return cosine;
 }
 
 }  // namespace frac

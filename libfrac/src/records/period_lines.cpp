@@ -7,6 +7,7 @@
 #include "records/chirp_transform.hpp"
 #include "records/estimators.hpp"
 #include "records/whole_periods.hpp"
+#include "special/distributions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -64,6 +65,24 @@ PeriodLines period_lines(const Record& record, double length, std::size_t highes
   for (const auto& output : record.outputs()) take(output);
   if (!record.reference().empty()) take(record.reference());
   return lines;
+}
+
+bool reaches_half_of_sampling(LineReader& reader, const PeriodLines& found, std::size_t output,
+                              const ResponsePoint& point, std::size_t segments) {
+  constexpr std::size_t tested = 2;
+  const std::size_t outputs = found.spectra.size() - 1;
+  const double chance = 1e-3 / static_cast<double>(tested * segments * outputs);
+  const std::size_t lines = (found.spectra.front().size() - 1) / found.periods;
+  const auto at = static_cast<Eigen::Index>(output) + 1;
+  for (std::size_t k = std::max(lines, tested) + 1 - tested; k <= lines; ++k) {
+    const LineEstimate line = reader(k * found.periods);
+    if (line.degrees == 0) continue;
+    const double size = std::abs(line.value(at)), error = line.covariance(at, at).real();
+    if (size > point.input_amplitude * point.sigma_or_rounding() &&
+        fisher_f_above(size * size / error, 2, 2 * line.degrees) < chance)
+      return true;
+  }
+  return false;
 }
 
 double student_variance(double degrees) {

@@ -106,4 +106,37 @@ bool is_clipped(const std::vector<double>& signal) {
   return sticks(most.count, below_most.count) || sticks(least.count, above_least.count);
 }
 
+std::optional<Standstill> stuck_samples(const std::vector<double>& signal) {
+  constexpr std::size_t fewest = 14;
+  constexpr double steps = 4, most_share = 0.25;
+  double motion = 0, converter_step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < signal.size(); ++i) {
+    const double step = std::abs(signal[i] - signal[i - 1]);
+    motion += step;
+    if (step > 0) converter_step = std::min(converter_step, step);
+  }
+  // Differences of decimal numbers err by rounding.
+  const double jump = (1 - 1e-6) * steps * converter_step;
+  double out_of_rest = 0;
+  std::vector<Standstill> runs;  // before a jump
+  std::vector<double> rests;     // values of all runs
+  for (std::size_t first = 0, end = 1; end <= signal.size(); ++end) {
+    if (end < signal.size() && signal[end] == signal[first]) continue;
+    const double step = end < signal.size() ? std::abs(signal[end] - signal[first]) : 0;
+    const std::size_t count = end - first;
+    if (count > 1 && step >= jump) out_of_rest += step;
+    if (count >= fewest) rests.push_back(signal[first]);
+    if (count >= fewest && first > 0 && step >= jump) runs.push_back({first, count});
+    first = end;
+  }
+  std::optional<Standstill> longest;
+  if (out_of_rest > most_share * motion) return longest;
+  std::sort(rests.begin(), rests.end());
+  for (const Standstill& run : runs) {
+    const auto [begin, end] = std::equal_range(rests.begin(), rests.end(), signal[run.first]);
+    if (end - begin == 1 && (!longest || run.count > longest->count)) longest = run;
+  }
+  return longest;
+}
+
 }  // namespace frac

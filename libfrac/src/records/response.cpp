@@ -338,11 +338,21 @@ void turn(ResponsePoint& point, double angle) {
   if (size > 0) point.correlation = std::clamp(((re - im) * c * s + both * (c * c - s * s)) / size, -1.0, 1.0);
 }
 
+void say_stuck(const std::string& name, const std::vector<double>& signal, std::vector<std::string>& remarks) {
+  if (const auto stuck = stuck_samples(signal))
+    remarks.push_back(name + " stands still for " + std::to_string(stuck->count) + " samples from sample " +
+                      std::to_string(stuck->first + 1) + " on and then jumps, as a stuck reading does");
+}
+
 }  // namespace
 
 ResponseEstimate response(const std::vector<Record>& records, const ResponseOptions& options) {
   check(records, options);
   ResponseEstimate result = response_as_read(records, options);
+  for (const Record& record : records) {
+    say_stuck("the input", record.input(), result.remarks);
+    for (const auto& output : record.outputs()) say_stuck("an output", output, result.remarks);
+  }
   if (options.sensor_delay != 0)
     for (auto& points : result.outputs)
       for (ResponsePoint& point : points) turn(point, point.omega * options.sensor_delay);

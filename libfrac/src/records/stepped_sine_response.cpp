@@ -45,7 +45,9 @@ void mark_unusable(ResponsePoint& point, const std::string& flag) {
   point.sigma = point.sigma_re = point.sigma_im = point.noise = std::numeric_limits<double>::quiet_NaN();
 }
 
-ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmonics) {
+/// @param segments  of the record
+/// @param folds     set where the output has harmonics up to half the sampling rate
+ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmonics, std::size_t segments, bool& folds) {
   ResponsePoint point;
   const std::size_t periods = found.periods;
   point.omega = static_cast<double>(periods) * found.spacing;
@@ -72,6 +74,7 @@ ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmoni
       harmonic.sigma =
           std::sqrt(line.covariance(at, at).real() / 2 * student_variance(2 * line.degrees)) / std::abs(input);
   }
+  folds = folds || reaches_half_of_sampling(reader, found, output, point, segments);
   return point;
 }
 
@@ -80,7 +83,7 @@ ResponsePoint point_of(const PeriodLines& found, std::size_t output, int harmoni
 Estimated stepped_sine_response(const Record& record, const std::vector<SineSegment>& segments, int harmonics) {
   Estimated estimated;
   estimated.outputs.resize(record.outputs().size());
-  std::size_t shortened = 0, longest_cut = 0;
+  std::size_t shortened = 0, longest_cut = 0, folded = 0;
   for (const SineSegment& segment : segments) {
     const Record whole = record.part(segment.first, segment.count);
     const Settling settling = settling_of(whole, segment.period);
@@ -90,21 +93,26 @@ Estimated stepped_sine_response(const Record& record, const std::vector<SineSegm
     longest_cut = std::max(longest_cut, settling.cut);
     // Multiples of 2 and 3 have lines at half and at a third of the frequency.
     const std::size_t multiple = static_cast<double>(part.size()) > 18 * segment.period ? 6 : 2;
-    const PeriodLines found = period_lines(part, segment.period, static_cast<std::size_t>(harmonics), multiple);
+    const PeriodLines found = period_lines(part, segment.period, 0, multiple);
+    bool folds = false;
     for (std::size_t output = 0; output < estimated.outputs.size(); ++output) {
       auto& points = estimated.outputs[output];
-      points.push_back(point_of(found, output, harmonics));
+      points.push_back(point_of(found, output, harmonics, segments.size(), folds));
       if (settling.changes_after > 0)
         mark_unusable(points.back(), "the motion is not steady: it changes after cycle " +
                                          std::to_string(settling.changes_after) + " of " +
                                          std::to_string(settling.cycles));
     }
+    folded += folds ? 1 : 0;
     estimated.periods += static_cast<double>(found.periods);
   }
   if (shortened > 0)
     estimated.remarks.push_back("the first cycles of " + std::to_string(shortened) + " of " +
                                 std::to_string(segments.size()) + " segments, at most " + std::to_string(longest_cut) +
                                 ", are left out: the motion still settled");
+  if (folded > 0)
+    estimated.remarks.push_back("an output in " + std::to_string(folded) + " of " + std::to_string(segments.size()) +
+                                " segments " + folds_back);
   return estimated;
 }
 

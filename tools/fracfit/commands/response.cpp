@@ -41,8 +41,11 @@ class Response : public Command {
           return text;
         },
         "Which column is what, by number or name; e.g. time=1,input=2,output=3,output=5, keys time, input, reference "
-        "(what drives a closed loop), output",
+        "(what drives a closed loop), trigger (rises once a period; without an input it is that, a cosine), output",
         "LIST");
+    o.texts("--input-file", input_files_,
+            "Times and input of RECORD, which then holds the outputs; joined by time, one for each RECORD", "FILE")
+        .names_input();
     o.number("--sample-time", read_.sample_time, "instead of a column of times").default_is("by the column of times");
     o.choice("--excitation", choice_.excitation, frac::excitations(), "What drove the experiment", "KIND")
         .default_is("found");
@@ -65,6 +68,7 @@ class Response : public Command {
         "Examples:\n"
         "  fracfit response record.csv --out n.csv --picture n.svg\n"
         "  fracfit response bench.mat --columns input=iq_adx,output=theta_mx --sample-time 4e-4 --out motor.csv\n"
+        "  fracfit response encoder.csv --input-file force.csv --columns output=angle,input=force\n"
         "  fracfit response r1.csv r2.csv r3.csv --columns time=1,input=2,output=3 --format json");
   }
 
@@ -72,6 +76,9 @@ class Response : public Command {
   void check() override {
     if (read_.sample_time && !(*read_.sample_time > 0 && std::isfinite(*read_.sample_time)))
       throw std::invalid_argument("--sample-time " + options()["--sample-time"].text() + ": allowed is above 0");
+    if (!input_files_.empty() && input_files_.size() != files_.size())
+      throw std::invalid_argument("--input-file names " + std::to_string(input_files_.size()) + " files for " +
+                                  std::to_string(files_.size()) + " records; expected one for each");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, options().input_files());
@@ -172,6 +179,7 @@ class Response : public Command {
                                      const frac::ResponseEstimate& found, const Table& table) const {
     io::Metadata head;
     for (const auto& name : files_) head.emplace_back("source", name);
+    for (const auto& name : input_files_) head.emplace_back("source", name);
     head.emplace_back("input", file.input);
     for (const auto& name : file.outputs) head.emplace_back("output", name);
     head.emplace_back("excitation", std::string(to_string(found.excitation)));
@@ -188,6 +196,13 @@ class Response : public Command {
         if (said.insert(why).second) head.emplace_back("left_out", io::format_number(omega) + " rad/s: " + why);
     }
     return head;
+  }
+
+  /// A trigger tells the period, and another file the lateness of its input.
+  void learn_from(const io::RecordFile& file) {
+    if (!choice_.period && choice_.excitation.value_or(frac::Excitation::periodic) == frac::Excitation::periodic)
+      choice_.period = file.period;
+    choice_.sensor_delay += file.sensor_delay;
   }
 
   [[nodiscard]] frac::ResponseEstimate estimated(const std::vector<frac::Record>& records) const {
@@ -207,8 +222,16 @@ class Response : public Command {
     std::vector<frac::Record> records;
     std::optional<io::RecordFile> first;
     for (const auto& name : files_) {
+      if (!input_files_.empty()) read_.input_file = input_files_[records.size()];
       io::RecordFile file = io::read_record(name, read_);
       for (const auto& note : file.notes) say(name + ": " + note);
+      if (!first)
+        learn_from(file);
+      else if (std::abs(file.sensor_delay - first->sensor_delay) > 1e-3 * file.record.sample_time())
+        throw io::DataError(name, 0, 0,
+                            "its instants are " + io::format_number(file.sensor_delay) +
+                                " s before those of its input, and those of the first record " +
+                                io::format_number(first->sensor_delay) + " s; expected the same, or one record");
       records.push_back(std::move(file.record));
       if (!first) first.emplace(std::move(file));
     }
@@ -300,7 +323,7 @@ class Response : public Command {
     };
   }
 
-  std::vector<std::string> files_;
+  std::vector<std::string> files_, input_files_;
   std::string picture_;
   std::optional<report::PictureFile> drawing_;
   io::RecordReadOptions read_;

@@ -46,6 +46,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--quantisation", "Q", "Step of the converter of positions, m; 0: none"},
       {"--clip", "X", "Largest absolute position that is read, m"},
       {"--sensor-delay", "T", "Positions are read so late, s"},
+      {"--input-file", "FILE", "File that holds the input"},
       {"--clock-jitter", "T", "Standard deviation of the instants of samples, s, up to a tenth of their distance"},
       // Models and approximations.
       {"--model", "MODEL", "Formula of s, e.g. '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)'"},

@@ -207,6 +207,7 @@ def response(
     reference: Any = None,
     sample_time: float | None = None,
     columns: str = "",
+    input_file: Any = None,
     excitation: str | None = None,
     period: float | None = None,
     harmonics: int | None = None,
@@ -228,7 +229,9 @@ def response(
         s, in place of times.
     columns : str
         Which column of a file is what, by number or name, such as ``"time=1,input=2,output=3"``; keys time, input, reference,
-        output.
+        trigger (rises once a period; without an input it is that, a cosine), output.
+    input_file : path, or a list of them, optional
+        Times and input of each file of `data`, which then holds the outputs; joined by time.
     excitation : {"periodic", "stepped-sine", "arbitrary"}, optional
         What drove the experiment; found unless given.
     period : float, optional
@@ -277,6 +280,13 @@ def response(
     notes: list[str] = []
     first: dict[str, Any] = {}
     wholes = list(data) if isinstance(data, (list, tuple)) and data and all(map(_is_whole, data)) else [data] if _is_whole(data) else []
+    are_files = bool(wholes) and all(isinstance(each, (str, os.PathLike)) for each in wholes)
+    inputs = list(input_file) if isinstance(input_file, (list, tuple)) else [] if input_file is None else [input_file]
+    if inputs and not (are_files and len(inputs) == len(wholes)):
+        raise ValueError(f"input_file names {len(inputs)} files; expected one for each file of data")
+    late = number(sensor_delay, "sensor_delay")
+    if not np.isfinite(late):
+        raise ValueError(f"sensor_delay is {late:g}; it must be finite")
     if not wholes:
         if columns:
             raise ValueError("columns has no meaning with arrays; it is for files")
@@ -287,7 +297,7 @@ def response(
             if value is not None and not (are_rigs and name == "output"):
                 raise ValueError(f"{name} has no meaning with a TimeSeries, a RigRecord or a file, which has its own")
         records = []
-        for each in wholes:
+        for place, each in enumerate(wholes):
             if isinstance(each, RigRecord):
                 if columns or step is not None:
                     raise ValueError(f"{'columns' if columns else 'sample_time'} has no meaning with a RigRecord, which has its own")
@@ -302,13 +312,15 @@ def response(
                 continue
             from . import _files
 
-            file = _files.raw_record(path_of(each, "data"), columns, step)
+            file = _files.raw_record(path_of(each, "data"), columns, step, path_of(inputs[place], "input_file") if inputs else "")
             records.append(file["record"])
+            if abs(file["sensor_delay"] - (first or file).get("sensor_delay", 0.0)) > 1e-3 * file["record"][0]:
+                raise ValueError(f"{os.fspath(each)}: its instants are {file['sensor_delay']:g} s before those of its input; expected as many as of the first file")
             notes += [f"{os.fspath(each)}: {note}" for note in file["notes"]]
             first = first or file
-    late = number(sensor_delay, "sensor_delay")
-    if not np.isfinite(late):
-        raise ValueError(f"sensor_delay is {late:g}; it must be finite")
+    if are_files:
+        late += first["sensor_delay"]
+        period = first["period"] if period is None and excitation in (None, "periodic") else period
     found = _core.response(records, excitation, None if period is None else number(period, "period"), orders, late)
     return _chosen(found, notes, first)
 

@@ -65,8 +65,11 @@ py::dict record(const std::string& path, const std::vector<std::string>& where) 
   return result;
 }
 
-py::dict raw_record(const std::string& path, const std::string& columns, const std::optional<double>& sample_time) {
-  const auto file = result_of([&](frac::Progress&) { return io::read_record(path, {columns, sample_time}); });
+py::dict raw_record(const std::string& path, const std::string& columns, const std::optional<double>& sample_time,
+                    const std::string& input_file) {
+  const auto file = result_of([&](frac::Progress&) {
+    return io::read_record(path, {columns, sample_time, input_file});
+  });
   py::list outputs, units;
   for (const auto& output : file.record.outputs()) outputs.append(array_of(output));
   for (const auto& unit : file.units) units.append(io::written_unit(unit));
@@ -79,6 +82,8 @@ py::dict raw_record(const std::string& path, const std::string& columns, const s
   result["units"] = units;
   result["input_unit"] = file.input_unit;
   result["notes"] = file.notes;
+  result["period"] = file.period;
+  result["sensor_delay"] = file.sensor_delay;
   return result;
 }
 

@@ -42,4 +42,20 @@ struct SineSegment {
 /// half of it, else arbitrary.
 [[nodiscard]] Excitation excitation_of(const Record& record);
 
+/// Instants, in samples, at which a trigger rises through the middle between its smallest and its largest value, as
+/// pulses of an encoder, one in each period, or a sine of reference do.  From one to the next it has been in the lower
+/// and in the upper quarter, so that noise makes none.  That of a pulse is known to half a sample.
+/// @throws std::invalid_argument  fewer than three of them.
+[[nodiscard]] std::vector<double> trigger_instants(const std::vector<double>& trigger);
+
+/// Period of a signal that a trigger tells, in samples, refined by the signal as period_of() does; nothing where the
+/// instants stand a sample or more beside a straight line.
+[[nodiscard]] std::optional<double> period_of(const std::vector<double>& signal, const std::vector<double>& instants);
+
+/// A cosine of amplitude 1 with a summit at each instant of a trigger, whose phase between two of them, before the first
+/// and after the last runs evenly.  Instants within a sample of a straight line are taken as that line, of the period
+/// that the answer tells, because a pulse is known to half a sample.
+/// @param answer  of the machine, as many samples as are wanted
+[[nodiscard]] std::vector<double> cosine_of(std::vector<double> instants, const std::vector<double>& answer);
+
 }  // namespace frac

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace frac {
@@ -48,5 +49,17 @@ class Record {
 /// more often than a sinusoid does at the outermost step of a converter.  A signal of a few levels, such as a square
 /// wave, is not cut off.
 [[nodiscard]] bool is_clipped(const std::vector<double>& signal);
+
+/// Samples that repeat one value.
+struct Standstill {
+  std::size_t first = 0, count = 0;
+};
+/// The longest of the runs in which a sensor or a logger repeats a reading while the signal moves on: 14 samples or
+/// more of one value, at which the signal rests nowhere else, and then a jump of four steps of the converter or more.
+/// Noise that once keeps to a step of the converter for so long and then jumps so far has a chance of 7e-10 at most at
+/// each sample, whatever its size.  Nothing is said of a run with which the signal begins or ends, nor of a signal that
+/// makes a quarter of its way or more in jumps out of rest, as a command that is held does: of a reading that share is
+/// the time for which it is stuck.
+[[nodiscard]] std::optional<Standstill> stuck_samples(const std::vector<double>& signal);
 
 }  // namespace frac
