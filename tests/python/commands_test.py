@@ -352,7 +352,10 @@ def test_exports(tmp_path):
             if name.endswith((".c", ".h")):
                 assert body(mine.read(name).decode()) == body(other.read(name).decode())
     assert zipfile.ZipFile(fracfit.export_fmu("1/(s^0.5 + 1)", tmp_path / "plant.fmu", band=(0.01, 10), tolerance=1e-2)).testzip() is None
+    third = zipfile.ZipFile(fracfit.export_fmu(pid, tmp_path / "third.fmu", fmi=3))
+    assert 'fmiVersion="3.0"' in third.read("modelDescription.xml").decode()
     for wrong, sentence in (
+        ({"source": pid, "fmi": 1}, "fmi is 1; expected 2 or 3"),
         ({"source": "1/(s^0.5 + 1)"}, "band has no value"),
         ({}, "source has no value"),
         ({"clearance": 0.1}, "restitution has no value"),
