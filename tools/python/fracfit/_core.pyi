@@ -3,6 +3,8 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
+Array = np.ndarray[Any, np.dtype[Any]]
+
 Report = Callable[[int, int], Any] | None
 
 version: str
@@ -23,7 +25,7 @@ class Structure:
     def parameter_names(self) -> list[str]: ...
     @property
     def is_fractional(self) -> bool: ...
-    def response(self, values: Sequence[float], omega: np.ndarray, realisation: dict[str, Any], /) -> np.ndarray: ...
+    def response(self, values: Sequence[float], omega: Array, realisation: dict[str, Any], /) -> Array: ...
     def transfer_function(self, values: Sequence[float], /) -> TransferFunction: ...
     def delayed_loop(self, values: Sequence[float], /) -> DelayedLoop | None: ...
 
@@ -41,7 +43,7 @@ class TransferFunction:
     def denominator(self) -> list[tuple[float, float]]: ...
     @property
     def delay(self) -> float: ...
-    def values_at(self, s: np.ndarray, /) -> np.ndarray: ...
+    def values_at(self, s: Array, /) -> Array: ...
     def stability(self) -> dict[str, Any]: ...
     def margins(self) -> dict[str, Any]: ...
     def closed_loop(self) -> tuple[str, int]: ...
@@ -57,11 +59,11 @@ class TransferFunction:
 class Controller:
     def __init__(self, config: dict[str, Any], /) -> None: ...
     def step(self, setpoint: float, measured: float, /) -> float: ...
-    def run(self, setpoint: np.ndarray, measured: np.ndarray, /) -> np.ndarray: ...
+    def run(self, setpoint: Array, measured: Array, /) -> Array: ...
     def track(self, output: float, /) -> None: ...
     def reset(self) -> None: ...
     def reset_at(self, setpoint: float, measured: float, /) -> None: ...
-    def response(self, omega: np.ndarray, /) -> np.ndarray: ...
+    def response(self, omega: Array, /) -> Array: ...
     def exported(self, form: str, how: dict[str, Any], /) -> Any: ...
     def state(self) -> bytes: ...
     def set_state(self, state: bytes, /) -> None: ...
@@ -79,22 +81,22 @@ class Controller:
     @property
     def omega_at_error(self) -> float: ...
 
-def check_frequency_response(omega: np.ndarray, value: np.ndarray, sigma: np.ndarray, /) -> None: ...
-def check_time_response(time: np.ndarray, input: np.ndarray, output: np.ndarray, sigma: np.ndarray, /) -> None: ...
+def check_frequency_response(omega: Array, value: Array, sigma: Array, /) -> None: ...
+def check_time_response(time: Array, input: Array, output: Array, sigma: Array, /) -> None: ...
 def respond_named(
-    model: TransferFunction | DelayedLoop, input: str, omega: float, time: np.ndarray, tolerance: float, method: str, /
+    model: TransferFunction | DelayedLoop, input: str, omega: float, time: Array, tolerance: float, method: str, /
 ) -> dict[str, Any]: ...
 def respond_sampled(
     model: TransferFunction | DelayedLoop,
-    input_time: np.ndarray,
-    input: np.ndarray,
+    input_time: Array,
+    input: Array,
     hold: str,
-    time: np.ndarray,
+    time: Array,
     tolerance: float,
     method: str,
     /,
 ) -> dict[str, Any]: ...
-def derivative(samples: np.ndarray, order: float, sample_time: float, tolerance: float, /) -> np.ndarray: ...
+def derivative(samples: Array, order: float, sample_time: float, tolerance: float, /) -> Array: ...
 def realise(model: TransferFunction, lower: float, upper: float, tolerance: float, method: str, /) -> dict[str, Any]: ...
 def approximate(
     order: float, lower: float, upper: float, tolerance: float | None, poles: int | None, method: str, /
@@ -112,33 +114,33 @@ def digital_power(
     amplification: float,
     /,
 ) -> dict[str, Any]: ...
-def mittag_leffler_points(alpha: float, beta: float, z: np.ndarray, /) -> np.ndarray: ...
-def mittag_leffler(alpha: np.ndarray, beta: np.ndarray, z: np.ndarray, derivative: bool, /) -> np.ndarray: ...
-def prabhakar(alpha: np.ndarray, beta: np.ndarray, gamma: np.ndarray, z: np.ndarray, /) -> np.ndarray: ...
+def mittag_leffler_points(alpha: float, beta: float, z: Array, /) -> Array: ...
+def mittag_leffler(alpha: Array, beta: Array, z: Array, derivative: bool, /) -> Array: ...
+def prabhakar(alpha: Array, beta: Array, gamma: Array, z: Array, /) -> Array: ...
 def describing_functions(
-    mass1: np.ndarray,
-    mass2: np.ndarray,
-    clearance: np.ndarray,
-    restitution: np.ndarray,
-    force: np.ndarray,
-    omega: np.ndarray,
+    mass1: Array,
+    mass2: Array,
+    clearance: Array,
+    restitution: Array,
+    force: Array,
+    omega: Array,
     options: dict[str, Any],
     report: Report,
     /,
 ) -> dict[str, Any]: ...
 def bodies_describing_functions(
-    scene: list[np.ndarray],
+    scene: list[Array],
     load: TransferFunction | None,
     drive: TransferFunction | None,
-    omega: np.ndarray,
+    omega: Array,
     options: dict[str, Any],
     /,
 ) -> dict[str, Any]: ...
 def compliant_describing_functions(
-    scene: list[np.ndarray],
+    scene: list[Array],
     load: TransferFunction | None,
     drive: TransferFunction | None,
-    omega: np.ndarray,
+    omega: Array,
     options: dict[str, Any],
     report: Report,
     /,
@@ -150,18 +152,18 @@ def regime_map(
     mass2: float,
     clearance: float,
     force: float,
-    restitution: np.ndarray,
-    omega: np.ndarray,
+    restitution: Array,
+    omega: Array,
     options: dict[str, Any],
     report: Report,
     /,
 ) -> dict[str, Any]: ...
-def minus_inverse(response: np.ndarray, uncertainty: np.ndarray, /) -> tuple[np.ndarray, np.ndarray]: ...
+def minus_inverse(response: Array, uncertainty: Array, /) -> tuple[Array, Array]: ...
 def symmetric_loss_factor(restitution: float, /) -> float: ...
 def restitution_from_loss_factor(loss_factor: float, /) -> float | None: ...
 def static_describing_function(
-    mass1: float, mass2: float, clearance: float, force: float, omega: np.ndarray, /
-) -> np.ndarray: ...
+    mass1: float, mass2: float, clearance: float, force: float, omega: Array, /
+) -> Array: ...
 def jump_frequency(
     mass1: float, mass2: float, clearance: float, restitution: float, force: float, criterion: str, /
 ) -> float | None: ...
@@ -178,7 +180,7 @@ def orbits(
     body: str,
     longest_period: int,
     most_impacts: int,
-    basins_at: np.ndarray,
+    basins_at: Array,
     threads: int,
     report: Report,
     /,
@@ -209,7 +211,7 @@ def compliant_history(
 def history_record(
     scene: tuple[float, ...],
     contact: tuple[float, ...] | None,
-    omega: np.ndarray,
+    omega: Array,
     position: float | None,
     velocity: float,
     skip: int,
@@ -220,15 +222,15 @@ def history_record(
 def basins(
     scene: tuple[float, ...],
     contact: tuple[float, ...] | None,
-    position: np.ndarray,
-    velocity: np.ndarray,
+    position: Array,
+    velocity: Array,
     body: str,
     threads: int,
     report: Report,
     /,
 ) -> dict[str, Any]: ...
 def response(
-    records: Sequence[tuple[float, np.ndarray, Sequence[np.ndarray], np.ndarray]],
+    records: Sequence[tuple[float, Array, Sequence[Array], Array]],
     excitation: str | None,
     period: float | None,
     harmonics: int,
