@@ -332,7 +332,7 @@ def test_loops_of_contacts_that_take_time():
 def body(text):
     """Code without what is said of its origin."""
     # A guard is made from all of it.
-    return re.sub(r"_H_[0-9a-f]+|MODEL_GUID .*", "", re.sub(r"/\*.*?\*/", "", text, flags=re.S))
+    return re.sub(r"_H_[0-9a-f]+|MODEL_TOKEN .*", "", re.sub(r"/\*.*?\*/", "", text, flags=re.S))
 
 
 @pytest.mark.bits
@@ -363,7 +363,10 @@ def test_exports(tmp_path):
             if name.endswith((".c", ".h")):
                 assert body(mine.read(name).decode()) == body(other.read(name).decode())
     assert zipfile.ZipFile(fracfit.export_fmu("1/(s^0.5 + 1)", tmp_path / "plant.fmu", band=(0.01, 10), tolerance=1e-2)).testzip() is None
+    third = zipfile.ZipFile(fracfit.export_fmu(pid, tmp_path / "third.fmu", fmi=3))
+    assert 'fmiVersion="3.0"' in third.read("modelDescription.xml").decode()
     for wrong, sentence in (
+        ({"source": pid, "fmi": 1}, "fmi is 1; expected 2 or 3"),
         ({"source": "1/(s^0.5 + 1)"}, "band has no value"),
         ({}, "source has no value"),
         ({"clearance": 0.1}, "restitution has no value"),

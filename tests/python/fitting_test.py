@@ -267,6 +267,62 @@ def test_priors_orders_and_derived_quantities_of_the_command_line(cell):
     assert cell.priors == [] and cell.growth is None
 
 
+def test_bounds_and_priors_of_a_quantity_are_those_of_a_formula_that_has_it_as_parameter():
+    omega = np.logspace(-1, 5, 60)
+    random = np.random.default_rng(5)
+    noise = 0.3 * (random.standard_normal(60) + 1j * random.standard_normal(60))
+    data = FrequencyResponse(omega, 10 + 50 / (1 + (1j * omega * 0.02) ** 0.8) + noise)
+
+    def values(parameters):  # of the circuit that is written with Q1
+        series, resistance, capacity, order = parameters
+        return series + resistance / (1 + resistance * capacity * (1j * omega) ** order)
+
+    def cost(parameters):
+        return np.sum(np.abs(data.response - values(parameters)) ** 2)
+
+    def log_tau(parameters):
+        return np.log(parameters[1] * parameters[2]) / parameters[3]
+
+    def gradient(function, parameters):  # by ln of the parameters; central differences err by the cube root of rounding, squared
+        steps = 1e-5 * np.eye(4)
+        return np.array([(function(parameters * np.exp(step)) - function(parameters * np.exp(-step))) / 2e-5 for step in steps])
+
+    def circuit(result):
+        tau, resistance, order = (result[name] for name in ("tau", "R1", "n1"))
+        return np.array([result["R0"], resistance, tau**order / resistance, order])
+
+    ours = {"model": "R0 + R1/(1 + (tau s)^n1)", "weight": "absolute"}
+    # The same optimum: both searches end where a step changes the cost by 1e-12.  Errors are widened for each parameter and keep the
+    # correlations of white noise, so that it matters by a few per cent which parameters a formula has.
+    plain = fracfit.fit(data, **ours)
+    other = fracfit.fit(data, "zarc", weight="absolute").derive("tau = (R1 Q1)^(1/n1)")
+    assert plain.cost == pytest.approx(cost(circuit(plain)), rel=1e-9)
+    assert plain["tau"] == pytest.approx(other["value"], rel=1e-5)
+    assert plain.standard_errors["tau"] == pytest.approx(other["standard_error"], rel=0.1)
+
+    # A prior of 30 ms within 2 %, of the logarithm: at the least sum the gradients by the parameters of the circuit cancel, with the
+    # squared noise as factor, which is the cost to a degree of freedom, of 116 to 120.
+    known = fracfit.fit(data, **ours, prior={"tau": "0.03 +- 2%"})
+    at = circuit(known)
+    of_cost = gradient(cost, at)
+    of_prior = gradient(lambda p: ((log_tau(p) - np.log(0.03)) / 0.02) ** 2, at)
+    factor = -(of_cost @ of_prior) / (of_prior @ of_prior)
+    assert np.linalg.norm(of_cost + factor * of_prior) <= 1e-3 * np.linalg.norm(of_cost)
+    assert known.cost / 120 <= factor <= known.cost / 116
+    assert plain["tau"] < known["tau"] < 0.03
+
+    # A bound that is in force: the least cost of the circuit where its quantity is held there, by scipy.
+    held = fracfit.fit(data, **ours, bounds={"tau": (0.025, 1)})
+    assert held["tau"] == pytest.approx(0.025, rel=1e-6)
+
+    def cost_on_bound(parameters):
+        series, resistance, order = parameters
+        return cost((series, resistance, 0.025**order / resistance, order))
+
+    least = optimize.minimize(cost_on_bound, [10, 50, 0.8], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-12, "maxiter": 4000})
+    assert held.cost == pytest.approx(least.fun, rel=1e-8)
+
+
 def test_growth_of_the_command_line():
     found = command_line.json_of("fit", CELL, "--grow", "arcs", "--component", "both")
     grown = fracfit.fit(fracfit.read(CELL), grow="arcs")

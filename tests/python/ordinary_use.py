@@ -31,7 +31,7 @@ def describe_data(data: FrequencyResponse) -> str:
     omega, response = data
     low: float = float(omega[0])
     size: int = data.size
-    loudest = float(np.max(np.abs(response)))
+    loudest = float(max(abs(value) for value in response))
     sigma = data.sigma
     known = "known" if sigma is not None else "unknown"
     part = data.where("f > 1", "f < 100")
@@ -168,7 +168,7 @@ def backlash() -> float:
     law = fracfit.jump_law(restitution=[0.5], force=[10.0, 20.0], clearance=[0.1, 0.2])
     constant: float = law.mean_similarity_constant
     motion = fracfit.history(20.0, restitution=0.6, force=40.0, clearance=0.3, skip=50, periods=2)
-    largest: float = float(np.max(np.abs(motion.x1)))
+    largest: float = float(max(abs(place) for place in motion.x1))
     cycles = fracfit.limit_cycles("1 + s^0.5", restitution=0.6, starts=0)
     frequency: float = cycles.cycles[0]["omega"]
     branch = fracfit.orbits(1.9, 2.0, restitution=0.6)[0]

@@ -5,6 +5,7 @@ version, the options and the packages that the project has, and what they config
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 
 import command_line
@@ -80,6 +81,25 @@ include({folder}/portfile.cmake)
     assert list(manifest["features"]) == [(tmp_path / "feature").read_text()]
     for option in re.findall(r"-D(\w+)=", (tmp_path / "options").read_text()):
         assert f"option({option} " in LISTS, option
+
+
+def test_the_formula_for_homebrew_is_the_port_for_vcpkg():
+    formula = PACKAGING / "homebrew/fracfit.rb"
+    text = formula.read_text()
+    manifest = json.loads((PACKAGING / "vcpkg/fracfit/vcpkg.json").read_text())
+    assert re.search('^  desc "(.*)"$', text, re.MULTILINE)[1] == manifest["description"]
+    assert f'license "{manifest["license"]}"' in text
+    # The same options but for the fit, which is built, and the libraries under their names there; Boost is one package.
+    port = (PACKAGING / "vcpkg/fracfit/portfile.cmake").read_text()
+    assert re.findall(r"-D\w+=\w+", text) == re.findall(r"-D\w+=\w+", port)
+    wanted = [*manifest["dependencies"][:3], *manifest["features"]["fitting"]["dependencies"]]
+    renamed = {"boost-math": "boost", "boost-multiprecision": "boost", "eigen3": "eigen", "ceres": "ceres-solver"}
+    assert set(re.findall(r'depends_on "([\w-]+)"$', text, re.MULTILINE)) == {renamed.get(name, name) for name in wanted}
+    top = re.search(r'expand_path\("(.*?)", __dir__\)', text)[1]
+    assert (formula.parent / top).resolve() == ROOT.resolve()
+    ruby = shutil.which("ruby")
+    if ruby is not None:
+        assert subprocess.run([ruby, "-c", formula], capture_output=True).returncode == 0
 
 
 def test_the_container_has_what_the_packages_are_built_from():

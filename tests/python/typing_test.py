@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Types: two hundred lines of ordinary use under a strict checker, and names that complete."""
 
+import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -27,6 +29,17 @@ def test_ordinary_use_is_typed(tmp_path):
     done = subprocess.run(checked, env={**os.environ, "MYPYPATH": str(MODULE.parent)}, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert sum(1 for line in (HERE / "ordinary_use.py").read_text().splitlines() if line.strip()) >= 180
+
+
+def test_ordinary_use_is_typed_for_pyright(tmp_path):
+    pyright = shutil.which("pyright")
+    if pyright is None:
+        pytest.skip("pyright is not installed")
+    (tmp_path / "ordinary_use.py").write_text((HERE / "ordinary_use.py").read_text())
+    settings = {"typeCheckingMode": "strict", "extraPaths": [str(MODULE.parent)], "include": ["ordinary_use.py"]}
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings))
+    done = subprocess.run([pyright, "--pythonpath", sys.executable, "--project", tmp_path], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_types_of_results_are_those_that_the_library_describes():

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Functional mock-up units, run by a small master of our own: libraries are loaded as a simulator does, and results are
 // held against the library's own classes and against closed forms.
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "backlash/two_mass_plant.hpp"
+#include "fmu_unit.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "frac/state_space.hpp"
@@ -29,7 +29,6 @@ namespace {
 
 // The interface as its standard words it, apart from the header that units carry.
 using Component = void*;
-using Reference = unsigned;
 using Callbacks = support::Fmi2Callbacks;
 constexpr int ok = 0, error = 3;
 constexpr int model_exchange = 0, co_simulation = 1;
@@ -44,63 +43,12 @@ void log(void*, const char*, int, const char*, const char* format, ...) {
   last_message = text;
 }
 
-// A unit that the program has written and `unzip` has unpacked.
-class Unit {
- public:
-  // @param compiled_anew  what is run in the folder of the unit before its library is loaded
-  explicit Unit(std::vector<std::string> arguments, const std::string& compiled_anew = "true") {
-    arguments.insert(arguments.begin(), {"export", "fmu"});
-    arguments.insert(arguments.end(), {"--name", "unit", "--out", folder_.path("unit.fmu")});
-    const auto result = run_fracfit(arguments);
-    EXPECT_EQ(result.code, 0) << result.error;
-    EXPECT_EQ(result.error, "");
-    EXPECT_EQ(run_shell("cd '" + folder_.path() + "' && unzip -q unit.fmu").code, 0);
-    const auto compiled = run_shell("cd '" + folder_.path() + "' && " + compiled_anew);
-    EXPECT_EQ(compiled.code, 0) << compiled.error;
-    description_ = content_of(folder_.path("modelDescription.xml"));
-    library_ = ::dlopen(folder_.path("binaries/linux64/unit.so").c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library_ == nullptr) throw std::runtime_error(::dlerror());
-  }
-  Unit(const Unit&) = delete;
-  Unit& operator=(const Unit&) = delete;
-  ~Unit() { ::dlclose(library_); }
-
-  template <typename... Arguments>
-  int call(const char* function, Arguments... arguments) const {
-    return reinterpret_cast<int (*)(Arguments...)>(symbol(function))(arguments...);
-  }
-  [[nodiscard]] void* symbol(const char* name) const {
-    void* found = ::dlsym(library_, name);
-    if (found == nullptr) throw std::runtime_error(std::string("no function ") + name);
-    return found;
-  }
-  [[nodiscard]] const std::string& description() const { return description_; }
-  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
-  [[nodiscard]] std::string guid() const {
-    std::smatch match;
-    return std::regex_search(description_, match, std::regex("guid=\"([^\"]*)\"")) ? match[1].str() : "";
-  }
-  // Value reference of a variable.
-  [[nodiscard]] Reference operator[](const std::string& name) const {
-    std::smatch match;
-    const bool is_there =
-        std::regex_search(description_, match, std::regex("name=\"" + name + "\" valueReference=\"([0-9]+)\""));
-    EXPECT_TRUE(is_there) << name;
-    return is_there ? static_cast<Reference>(std::stoul(match[1])) : 0;
-  }
-
- private:
-  TemporaryFolder folder_;
-  std::string description_;
-  void* library_ = nullptr;
-};
-
 class Instance {
  public:
   Instance(const Unit& unit, int type = co_simulation) : unit_(&unit) {
     static const Callbacks callbacks{log, std::calloc, std::free, nullptr, nullptr};
     using Instantiate = Component (*)(const char*, int, const char*, const char*, const Callbacks*, int, int);
-    component_ = reinterpret_cast<Instantiate>(unit.symbol("fmi2Instantiate"))("name", type, unit.guid().c_str(), "",
+    component_ = reinterpret_cast<Instantiate>(unit.symbol("fmi2Instantiate"))("name", type, unit.token().c_str(), "",
                                                                                &callbacks, 0, 0);
     if (component_ == nullptr) throw std::runtime_error(last_message);
   }
@@ -135,23 +83,6 @@ class Instance {
 /// Bits of a unit, which is compiled by itself, and of the library.
 #define REQUIRE_EQUAL_ROUNDING() \
   if (FRACFIT_FUSED) GTEST_SKIP() << "products are fused into sums, in each program by its own inlining"
-
-class FmuTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const auto has = [](const char* tool) {
-      return std::system((std::string(tool) + " >/dev/null 2>&1").c_str()) == 0;
-    };
-    if (!has("cc --version")) GTEST_SKIP() << "no C compiler";
-    if (!has("unzip -v")) GTEST_SKIP() << "unzip is not installed";
-#if !defined(__linux__) || !defined(__x86_64__)
-    GTEST_SKIP() << "units hold libraries for 64-bit Linux only";
-#endif
-    if (run_fracfit({"export", "fmu", "--kp", "1", "--sample-time", "1", "--out", "/dev/null"}).error.find("libzip") !=
-        std::string::npos)
-      GTEST_SKIP() << "built without libzip";
-  }
-};
 
 bool same_bits(double a, double b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
@@ -658,13 +589,6 @@ TEST_F(FmuTest, RefusalsNameWhatIsWrong) {
   controller.initialise();
   EXPECT_EQ(controller.step(0, 2e6), error) << "2e9 samples";
   EXPECT_NE(last_message.find("1e9 samples"), std::string::npos) << last_message;
-}
-
-std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
-  const std::regex expression(pattern);
-  std::vector<std::string> found;
-  for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at) found.push_back((*at)[1]);
-  return found;
 }
 
 // What the schema of FMI 2.0 and its text ask of modelDescription.xml.

@@ -58,10 +58,10 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Runs cc. @return why it failed; empty: it did not
+// @param words  the compiler and its options
+// @return why it failed; empty: it did not
 std::string compile(const fs::path& folder, std::vector<std::string> words) {
   const std::string messages = (folder / "messages").string();
-  words.insert(words.begin(), "cc");
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -71,9 +71,10 @@ std::string compile(const fs::path& folder, std::vector<std::string> words) {
   posix_spawn_file_actions_addopen(&redirected, 2, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, own);
   posix_spawn_file_actions_addopen(&redirected, 1, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
-  const int failure = posix_spawnp(&child, "cc", &redirected, nullptr, arguments.data(), environ);
+  const int failure = posix_spawnp(&child, words.front().c_str(), &redirected, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&redirected);
-  if (failure != 0) return "the C compiler 'cc' cannot be run: " + std::string(std::strerror(failure));
+  if (failure != 0)
+    return "the C compiler '" + words.front() + "' cannot be run: " + std::string(std::strerror(failure));
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -83,7 +84,8 @@ std::string compile(const fs::path& folder, std::vector<std::string> words) {
 
 }  // namespace
 
-CompiledLibrary compile_shared_library(const std::vector<std::pair<std::string, std::string>>& files,
+CompiledLibrary compile_shared_library(const std::string& compiler,
+                                       const std::vector<std::pair<std::string, std::string>>& files,
                                        const std::string& main, const std::vector<std::vector<std::string>>& variants) {
   const WorkFolder folder;
   for (const auto& [name, content] : files) {
@@ -92,10 +94,10 @@ CompiledLibrary compile_shared_library(const std::vector<std::pair<std::string, 
     write_new_file(path.string(), content, path.string());
   }
   const std::string library = (folder.path() / "library.so").string();
-  std::vector<std::string> linked{"-shared", "-o", library};
+  std::vector<std::string> linked{compiler, "-shared", "-o", library};
   for (const std::vector<std::string>& variant : variants) {
     linked.push_back((folder.path() / (std::to_string(linked.size()) + ".o")).string());
-    std::vector<std::string> words{"-std=c99", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"};
+    std::vector<std::string> words{compiler, "-std=c99", "-O2", "-fvisibility=hidden", "-ffp-contract=off"};
     words.insert(words.end(), variant.begin(), variant.end());
     words.insert(words.end(), {"-c", "-o", linked.back(), (folder.path() / main).string()});
     if (std::string failure = compile(folder.path(), std::move(words)); !failure.empty()) return {{}, failure};

@@ -10,17 +10,21 @@ namespace io {
 struct FmuArchive {
   /// The file *.fmu.
   std::string bytes;
-  /// Why it holds no library for this machine but its sources only; else empty.
+  /// Why it holds no library but its sources only; else empty.
   std::string no_library;
 };
 
-/// Archive of a functional mock-up unit: its files and, compiled of them by `cc`, a library for 64-bit Linux.
-/// @param name         of the unit and its library
+/// A library of a unit: its path in the archive, empty where it shall have none.
+struct FmuLibraries {
+  std::string linux_path, windows_path;
+};
+
+/// Archive of a functional mock-up unit: its files and what is compiled of them, a library for 64-bit Linux by `cc`,
+/// where this program runs on it, and one for 64-bit Windows by `x86_64-w64-mingw32-gcc`.
 /// @param files        path and text each
 /// @param main_source  path of the one that is compiled
-/// @throws std::runtime_error  as compile_shared_library() and zip_archive().
-[[nodiscard]] FmuArchive fmu_archive(const std::string& name,
-                                     const std::vector<std::pair<std::string, std::string>>& files,
-                                     const std::string& main_source);
+/// @throws std::runtime_error  the library for Windows cannot be made; as compile_shared_library() and zip_archive().
+[[nodiscard]] FmuArchive fmu_archive(const std::vector<std::pair<std::string, std::string>>& files,
+                                     const std::string& main_source, const FmuLibraries& libraries);
 
 }  // namespace io

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "frac/digital/arduino_library.hpp"
@@ -35,6 +37,15 @@ struct FmuVariable {
   bool is_sampled = false;
 };
 
+/// Version of the Functional Mock-up Interface.
+enum class FmiVersion { two, three };
+
+/// 2, 3.
+[[nodiscard]] std::string_view to_string(FmiVersion version);
+/// @throws std::invalid_argument  unknown name.
+[[nodiscard]] FmiVersion fmi_version_from_string(std::string_view text);
+[[nodiscard]] std::span<const FmiVersion> fmi_versions();
+
 struct FmuOptions {
   /// Name of the model, its files and its library: letters, digits and _, the first a letter or _, up to 40 characters.
   std::string name = "model";
@@ -44,16 +55,19 @@ struct FmuOptions {
   std::string description = {};
   /// Name of the program that writes it, such as "fracfit 1.2".
   std::string tool = {};
+  FmiVersion version = FmiVersion::two;
 };
 
-/// A Functional Mock-up Unit of FMI 2.0 but for its compiled library: modelDescription.xml and the C sources, which are
-/// compiled as one file, `main_source`, into binaries/<platform>/<name>.
+/// A Functional Mock-up Unit of FMI 2.0 or 3.0 but for its compiled library: modelDescription.xml and the C sources,
+/// which are compiled as one file, `main_source`.  Both versions are thin layers around the same model.
 /// Instances share nothing, and a state can be kept, serialised and set again.
 struct Fmu {
   std::string name;
   std::vector<NamedText> files;
   /// Path of one of the files.
   std::string main_source;
+  /// Where the standard expects the library for 64-bit Linux and that for 64-bit Windows.
+  std::string linux_library, windows_library;
 };
 
 /// Co-simulation: the controller acts at its sample times, from the start time on, on the inputs of that moment; its

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "base/spelling.hpp"
 #include "digital/c_export/tuned_header.hpp"
 #include "fmu/fmu_runtime.hpp"
 #include "fmu/fmu_text.hpp"
@@ -17,6 +18,7 @@ namespace {
 using detail::FmuParts;
 using detail::number_text;
 using Role = FmuVariable::Role;
+constexpr detail::Spellings<FmiVersion, 2> version_names{{{FmiVersion::two, "2"}, {FmiVersion::three, "3"}}};
 constexpr double any_step = std::numeric_limits<double>::quiet_NaN();
 
 // What a recursion needs ahead of its header.
@@ -32,6 +34,19 @@ double finite(double limit, Precision precision) {
 }
 
 }  // namespace
+
+std::string_view to_string(FmiVersion value) {
+  return detail::spelling(version_names, value);
+}
+
+FmiVersion fmi_version_from_string(std::string_view name) {
+  return detail::from_spelling(version_names, "version of FMI", name);
+}
+
+std::span<const FmiVersion> fmi_versions() {
+  static constexpr auto all = detail::enumerators(version_names);
+  return all;
+}
 
 Fmu fmu(const FractionalPidDesign& design, const FmuOptions& options) {
   const FractionalPidConfig& config = design.config();

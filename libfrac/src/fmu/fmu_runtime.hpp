@@ -7,6 +7,7 @@
 namespace frac::detail::fmu_runtime {
 
 extern const std::string_view fmi2;
+extern const std::string_view fmi3;
 extern const std::string_view fmu;
 extern const std::string_view sampled_model;
 extern const std::string_view pid_model;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "base/number_text.hpp"
 #include "digital/c_export/c_text.hpp"
@@ -58,7 +59,7 @@ const char* variability(const FmuVariable& variable) {
   }
 }
 
-// Reals and booleans are numbered apart.
+// FMI 2.0: one element for each scalar.  Reals and booleans are numbered apart.
 std::string scalar_variables(const FmuParts& parts) {
   std::string text;
   int reals = 0, booleans = 0;
@@ -86,6 +87,78 @@ std::string scalar_variables(const FmuParts& parts) {
             attribute("derivative", std::to_string(parts.variables.size() + i + 1)) + "/>\n    </ScalarVariable>\n";
   }
   return text;
+}
+
+// FMI 3.0: value references as the runtime counts them, see fmi3.h.
+struct References {
+  explicit References(const FmuParts& parts) {
+    std::uint32_t booleans = 0;
+    for (const FmuVariable& variable : parts.variables) booleans += variable.is_boolean ? 1 : 0;
+    const auto all = static_cast<std::uint32_t>(parts.variables.size());
+    std::uint32_t scalar = 0, boolean = all - booleans;
+    for (const FmuVariable& variable : parts.variables)
+      variables.push_back(std::to_string(variable.is_boolean ? boolean++ : scalar++));
+    time = std::to_string(all);
+    states = std::to_string(all + 1);
+    rates = std::to_string(all + 2);
+    indicators = std::to_string(all + 3);
+  }
+  std::vector<std::string> variables;
+  std::string time, states, rates, indicators;
+};
+
+// A vector that the model calculates.
+std::string vector_variable(const std::string& name, const std::string& reference, std::size_t size,
+                            const std::string& description, const std::string& more) {
+  return "    <Float64" + attribute("name", name) + attribute("valueReference", reference) +
+         attribute("description", description) + R"( causality="local" variability="continuous" initial="calculated")" +
+         more + ">\n      <Dimension" + attribute("start", std::to_string(size)) + "/>\n    </Float64>\n";
+}
+
+std::string variables_of_3(const FmuParts& parts) {
+  const References references(parts);
+  std::string text = "    <Float64 name=\"time\"" + attribute("valueReference", references.time) +
+                     " description=\"Time, s\" causality=\"independent\" variability=\"continuous\"/>\n";
+  for (std::size_t i = 0; i < parts.variables.size(); ++i) {
+    const FmuVariable& variable = parts.variables[i];
+    const bool is_output = variable.role == Role::output;
+    text += std::string("    <") + (variable.is_boolean ? "Boolean" : "Float64") + attribute("name", variable.name) +
+            attribute("valueReference", references.variables[i]) + attribute("description", variable.description) +
+            attribute("causality", causality(variable.role)) + attribute("variability", variability(variable)) +
+            (is_output ? attribute("initial", "calculated") : "") +
+            (variable.unit.empty() ? "" : attribute("unit", variable.unit)) +
+            (is_output ? "" : attribute("start", number_text(variable.start))) + "/>\n";
+  }
+  if (parts.states > 0) {
+    text += vector_variable("x", references.states, parts.states, "States",
+                            parts.events > 0 ? attribute("reinit", "true") : "") +
+            vector_variable("der(x)", references.rates, parts.states, "Derivatives of the states",
+                            attribute("derivative", references.states));
+  }
+  if (parts.events > 0)
+    text += vector_variable("indicators", references.indicators, parts.events, "Change their signs at events", "");
+  return text;
+}
+
+std::string structure_of_3(const FmuParts& parts) {
+  const References references(parts);
+  const auto element = [](const std::string& name, const std::string& reference) {
+    return "    <" + name + attribute("valueReference", reference) + "/>\n";
+  };
+  std::string outputs, initial;
+  for (std::size_t i = 0; i < parts.variables.size(); ++i) {
+    if (parts.variables[i].role != Role::output) continue;
+    outputs += element("Output", references.variables[i]);
+    initial += element("InitialUnknown", references.variables[i]);
+  }
+  std::string text = "  <ModelStructure>\n" + outputs;
+  if (parts.states > 0) {
+    text += element("ContinuousStateDerivative", references.rates);
+    initial += element("InitialUnknown", references.states) + element("InitialUnknown", references.rates);
+  }
+  text += initial;
+  if (parts.events > 0) text += element("EventIndicator", references.indicators);
+  return text + "  </ModelStructure>\n";
 }
 
 std::string unknowns(const std::string& list, const std::vector<std::size_t>& indices) {
@@ -122,27 +195,43 @@ std::string units(const FmuParts& parts) {
   return text + "  </UnitDefinitions>\n";
 }
 
-std::string description(const FmuParts& parts, const FmuOptions& options, const std::string& guid) {
-  const std::string sources =
-      "    <SourceFiles>\n      <File" + attribute("name", options.name + ".c") + "/>\n    </SourceFiles>\n";
+std::string description(const FmuParts& parts, const FmuOptions& options, const std::string& token) {
+  const bool is_3 = options.version == FmiVersion::three;
+  const std::string able = is_3 ? "State=\"true\"" : "state=\"true\"";
   const std::string abilities =
-      attribute("modelIdentifier", options.name) + R"( canGetAndSetFMUstate="true" canSerializeFMUstate="true")";
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\"" +
-                     attribute("modelName", options.name) + attribute("guid", guid) +
+      attribute("modelIdentifier", options.name) + " canGetAndSetFMU" + able + " canSerializeFMU" + able;
+  const std::string steps = R"( canHandleVariableCommunicationStepSize="true")";
+  // FMI 3.0 has a file of their own for the sources.
+  const auto interface = [&](const std::string& element, const std::string& attributes) {
+    return "  <" + element + attributes +
+           (is_3 ? "/>\n"
+                 : ">\n    <SourceFiles>\n      <File" + attribute("name", options.name + ".c") +
+                       "/>\n    </SourceFiles>\n  </" + element + ">\n");
+  };
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription" +
+                     attribute("fmiVersion", is_3 ? "3.0" : "2.0") + attribute("modelName", options.name) +
+                     attribute(is_3 ? "instantiationToken" : "guid", token) +
                      attribute("description", options.description) + attribute("generationTool", options.tool) +
                      R"( variableNamingConvention="structured")" +
-                     attribute("numberOfEventIndicators", std::to_string(parts.events)) + ">\n";
-  if (parts.states > 0) text += "  <ModelExchange" + abilities + ">\n" + sources + "  </ModelExchange>\n";
-  text += "  <CoSimulation" + abilities + R"( canHandleVariableCommunicationStepSize="true">)" + "\n" + sources +
-          "  </CoSimulation>\n" + units(parts) +
+                     (is_3 ? "" : attribute("numberOfEventIndicators", std::to_string(parts.events))) + ">\n";
+  if (parts.states > 0) text += interface("ModelExchange", abilities);
+  text += interface("CoSimulation", abilities + steps) + units(parts) +
           "  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n";
   if (!std::isnan(parts.sample_time))
     text += "  <DefaultExperiment" + attribute("stepSize", number_text(parts.sample_time)) + "/>\n";
-  return text + "  <ModelVariables>\n" + scalar_variables(parts) + "  </ModelVariables>\n" + structure(parts) +
-         "</fmiModelDescription>\n";
+  return text + "  <ModelVariables>\n" + (is_3 ? variables_of_3(parts) : scalar_variables(parts)) +
+         "  </ModelVariables>\n" + (is_3 ? structure_of_3(parts) : structure(parts)) + "</fmiModelDescription>\n";
 }
 
-std::string main_source(const FmuParts& parts, const std::string& guid) {
+// How the sources are compiled, which FMI 3.0 has in a file of its own.
+std::string build_description(const std::string& name) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n"
+         "  <BuildConfiguration" +
+         attribute("modelIdentifier", name) + ">\n    <SourceFileSet language=\"C99\">\n      <SourceFile" +
+         attribute("name", name + ".c") + "/>\n    </SourceFileSet>\n  </BuildConfiguration>\n</fmiBuildDescription>\n";
+}
+
+std::string main_source(const FmuParts& parts, const std::string& interface, const std::string& token) {
   std::string defaults, access;
   std::size_t reals = 0, booleans = 0;
   for (const FmuVariable& variable : parts.variables) {
@@ -158,10 +247,9 @@ std::string main_source(const FmuParts& parts, const std::string& guid) {
   }
   std::string text =
       "/* SPDX-License-Identifier: BSD-3-Clause */\n/* The one file to compile: it includes the others. */\n";
-  text += "#include \"fmi2.h\"\n\n#define MODEL_GUID \"" + guid + "\"\n#define MODEL_REALS " +
-          std::to_string(reals + 2 * parts.states) + "\n#define MODEL_BOOLEANS " + std::to_string(booleans) +
-          "\n#define MODEL_STATES " + std::to_string(parts.states) + "\n#define MODEL_EVENTS " +
-          std::to_string(parts.events) + "\n\n";
+  text += "#define MODEL_TOKEN \"" + token + "\"\n#define MODEL_REALS " + std::to_string(reals + 2 * parts.states) +
+          "\n#define MODEL_BOOLEANS " + std::to_string(booleans) + "\n#define MODEL_STATES " +
+          std::to_string(parts.states) + "\n#define MODEL_EVENTS " + std::to_string(parts.events) + "\n\n";
   for (std::size_t i = 0; i < 2 * parts.states; ++i) {
     defaults += ", 0";
     access += ", 'o'";
@@ -169,7 +257,7 @@ std::string main_source(const FmuParts& parts, const std::string& guid) {
   text += "static const double model_default[MODEL_REALS] = {" + defaults + "};\n";
   text += "static const char model_access[MODEL_REALS] = {" + access + "};\n\n" + parts.values;
   for (const auto& [name, content] : parts.includes) text += "#include \"" + name + "\"\n";
-  return text + "#include \"fmu.h\"\n";
+  return text + "#include \"" + interface + "\"\n";
 }
 
 }  // namespace
@@ -184,15 +272,20 @@ std::string c_array(const std::string& type, const std::string& name, const std:
 
 Fmu fmu_of(const FmuParts& parts, const FmuOptions& options) {
   check_c_name(options.name);
+  const bool is_3 = options.version == FmiVersion::three;
+  const std::string interface = is_3 ? "fmi3.h" : "fmi2.h";
   // The unit is told by a fingerprint of all its text but the fingerprint itself.
-  std::string all = main_source(parts, "") + description(parts, options, "");
+  std::string all = main_source(parts, interface, "") + description(parts, options, "");
   for (const auto& [name, content] : parts.includes) all += content;
-  const std::string guid = "{" + fingerprint(all) + "-" + options.name + "}";
-  const std::string folder = "sources/";
-  Fmu result{options.name, {}, folder + options.name + ".c"};
-  result.files.push_back({"modelDescription.xml", description(parts, options, guid)});
-  result.files.push_back({result.main_source, main_source(parts, guid)});
-  result.files.push_back({folder + "fmi2.h", std::string(fmu_runtime::fmi2)});
+  const std::string token = "{" + fingerprint(all) + "-" + options.name + "}";
+  const std::string folder = "sources/", binaries = "binaries/";
+  Fmu result{options.name, {}, folder + options.name + ".c", {}, {}};
+  result.linux_library = binaries + (is_3 ? "x86_64-linux/" : "linux64/") + options.name + ".so";
+  result.windows_library = binaries + (is_3 ? "x86_64-windows/" : "win64/") + options.name + ".dll";
+  result.files.push_back({"modelDescription.xml", description(parts, options, token)});
+  result.files.push_back({result.main_source, main_source(parts, interface, token)});
+  if (is_3) result.files.push_back({folder + "buildDescription.xml", build_description(options.name)});
+  result.files.push_back({folder + interface, std::string(is_3 ? fmu_runtime::fmi3 : fmu_runtime::fmi2)});
   result.files.push_back({folder + "fmu.h", std::string(fmu_runtime::fmu)});
   for (const auto& [name, content] : parts.includes) result.files.push_back({folder + name, std::string(content)});
   return result;

@@ -16,8 +16,9 @@ namespace {
 class ExportFmu : public Command {
  public:
   ExportFmu()
-      : Command("export fmu",
-                "Functional mock-up unit (FMI 2.0) of a controller, a filter, a fractional plant or two masses") {
+      : Command(
+            "export fmu",
+            "Functional mock-up unit (FMI 2.0 or 3.0) of a controller, a filter, a fractional plant or two masses") {
     Options& o = options();
     request_.declare(o, ControllerRequest::SampleTime::optional);
     o.choice("--precision", options_.precision, frac::precisions(), "of a controller or filter");
@@ -28,6 +29,8 @@ class ExportFmu : public Command {
     o.one_number("--restitution", restitution_).only_with({"--clearance"}).needed_with({"--clearance"});
     for (const std::string& name : of_models) o[name].not_with({"--clearance"}, "which makes a unit of two masses");
     o.text("--name", options_.name, "the unit and its library");
+    o.choice("--fmi", options_.version, frac::fmi_versions(), "version of the interface");
+    o.flag("--windows", windows_, "with a library for 64-bit Windows too, by x86_64-w64-mingw32-gcc");
     add_common({"fmu"});
     o["--out"].required();
     set_footer(
@@ -95,7 +98,8 @@ class ExportFmu : public Command {
     const frac::Fmu made = unit();
     std::vector<std::pair<std::string, std::string>> sources;
     for (const frac::NamedText& file : made.files) sources.emplace_back(file.path, file.text);
-    const io::FmuArchive archive = io::fmu_archive(made.name, sources, made.main_source);
+    const io::FmuArchive archive = io::fmu_archive(
+        sources, made.main_source, {made.linux_library, windows_ ? made.windows_library : std::string()});
     write(archive.bytes);
     if (!archive.no_library.empty()) complain("the unit holds its sources only: " + archive.no_library);
     if (!note_.empty()) say(note_);
@@ -107,6 +111,7 @@ class ExportFmu : public Command {
   ControllerRequest request_;
   std::optional<double> clearance_;
   double mass1_ = 1, mass2_ = 1, restitution_ = NAN;
+  bool windows_ = false;
   frac::FmuOptions options_;
   std::string note_, missed_;
 };

@@ -61,6 +61,8 @@ const Meaning& meaning_of(std::string_view name) {
       {"--mu", "ORDER", "Order of differentiation"},
       {"--name", "NAME", "What the exported text is called"},
       {"--precision", "REAL", "Arithmetic"},
+      {"--fmi", "VERSION", "Functional Mock-up Interface"},
+      {"--windows", "", "For 64-bit Windows"},
       {"--derivative-filter", "T", "Time constant of the lag before the derivative, s"},
       // Fitting.
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},

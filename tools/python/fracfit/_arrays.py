@@ -10,8 +10,11 @@ from typing import Any, Mapping
 
 import numpy as np
 
+# With its arguments spelled out: strict checkers call an array without them partially unknown.
+Array = np.ndarray[Any, np.dtype[Any]]
 
-def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> np.ndarray:
+
+def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> Array:
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         raise ValueError(f"{name} has masked entries; leave them out or fill them")
     try:
@@ -32,19 +35,19 @@ def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> np.nd
     return array
 
 
-def real_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+def real_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> Array:
     """A one-dimensional array of doubles, or one of any shape if `shape` is ()."""
     array = _numbers(value, name, "biuf", "real", float)
     return _shaped(np.ascontiguousarray(array, dtype=np.float64), array, name, shape)
 
 
-def complex_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+def complex_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> Array:
     """The same of complex numbers."""
     array = _numbers(value, name, "biufc", "complex", complex)
     return _shaped(np.ascontiguousarray(array, dtype=np.complex128), array, name, shape)
 
 
-def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, ...] | None) -> np.ndarray:
+def _shaped(array: Array, given: Array, name: str, shape: tuple[int, ...] | None) -> Array:
     if shape == ():
         return array.reshape(-1)
     if given.ndim > 1:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, count, flag, number, one_of, pair, real_array, shape_of, text
+from ._arrays import Array, body_of, count, flag, number, one_of, pair, real_array, shape_of, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._tables import Table
@@ -24,17 +24,17 @@ _COMPUTED = {"computed_by": "fracfit"}
 class _Points(_Record, Table):
     """Values of a describing function on a grid, with what was found of the motion."""
 
-    omega: np.ndarray
-    response: np.ndarray
-    uncertainty: np.ndarray
-    regime_code: np.ndarray
-    period: np.ndarray
-    impacts_per_period: np.ndarray
-    third_harmonic_ratio: np.ndarray
-    even_harmonic_ratio: np.ndarray
-    energy_defect: np.ndarray
-    lyapunov_exponent: np.ndarray
-    transient_possible: np.ndarray
+    omega: Array
+    response: Array
+    uncertainty: Array
+    regime_code: Array
+    period: Array
+    impacts_per_period: Array
+    third_harmonic_ratio: Array
+    even_harmonic_ratio: Array
+    energy_defect: Array
+    lyapunov_exponent: Array
+    transient_possible: Array
 
     @property
     def size(self) -> int:
@@ -58,7 +58,7 @@ class _Points(_Record, Table):
         return dict(_COMPUTED)
 
     @property
-    def regime(self) -> np.ndarray:
+    def regime(self) -> Array:
         """Kind of motion at each point: rigid, free, symmetric, periodic, chatter or averaged."""
         return np.array(REGIMES)[self.regime_code]
 
@@ -115,7 +115,7 @@ class DescribingFunction(_Points):
         return self.data().plot(kind=kind, ax=ax, **options)
 
     @property
-    def minus_inverse(self) -> np.ndarray:
+    def minus_inverse(self) -> Array:
         """-1/N, N/m; nan where N is 0."""
         response = self.response
         found, _ = _core.minus_inverse(response.reshape(-1), np.zeros(response.size))
@@ -128,7 +128,7 @@ class RegimeMap(_Points):
     Where contacts take time `restitution` is that of free ones.
     """
 
-    restitution: np.ndarray
+    restitution: Array
 
 
 @named
@@ -445,11 +445,11 @@ class OrbitBranch(_Record, Table):
     period: int
     impacts: int
     symmetric: bool
-    parameter: np.ndarray
-    omega: np.ndarray
-    response: np.ndarray
-    stable: np.ndarray
-    multipliers: np.ndarray
+    parameter: Array
+    omega: Array
+    response: Array
+    stable: Array
+    multipliers: Array
     bifurcations: list[dict[str, Any]]
     begin: str
     end: str

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, pair, real_array, text
+from ._arrays import Array, count, number, pair, real_array, text
 from ._data import FrequencyResponse
 from ._text import html_table
 from ._words import named
@@ -106,7 +106,7 @@ class FractionalPid:
         """Output for the next sample; the last one where an input is not finite, see `bad_input`."""
         return self._controller.step(number(setpoint, "setpoint"), number(measured, "measured"))
 
-    def run(self, setpoint: Any, measured: Any) -> np.ndarray:
+    def run(self, setpoint: Any, measured: Any) -> Array:
         """Outputs for many samples, from where the last call ended.
 
         Parameters

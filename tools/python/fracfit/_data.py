@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _core
-from ._arrays import NO_NUMBERS, complex_array, flag, in_words, mapping, number, path_of, real_array, text
+from ._arrays import NO_NUMBERS, Array, complex_array, flag, in_words, mapping, number, path_of, real_array, text
 from ._tables import Table, column_unit
 from ._text import html_table
 from ._words import named, no_attribute
@@ -138,32 +138,32 @@ class FrequencyResponse(_Samples):
         return response_of(data, values)
 
     @property
-    def omega(self) -> np.ndarray:
+    def omega(self) -> Array:
         """Angular frequencies, rad/s, rising."""
         return self._omega
 
     @property
-    def f(self) -> np.ndarray:
+    def f(self) -> Array:
         """Frequencies, Hz."""
         return self._omega / (2 * np.pi)
 
     @property
-    def response(self) -> np.ndarray:
+    def response(self) -> Array:
         """Complex values."""
         return self._response
 
     @property
-    def sigma(self) -> np.ndarray | None:
+    def sigma(self) -> Array | None:
         """Standard deviations, or None."""
         return self._sigma
 
     @property
-    def magnitude(self) -> np.ndarray:
+    def magnitude(self) -> Array:
         """Moduli of the values."""
         return np.abs(self._response)
 
     @property
-    def phase(self) -> np.ndarray:
+    def phase(self) -> Array:
         """Phases, rad, without jumps by 2 pi."""
         return np.unwrap(np.angle(self._response))
 
@@ -279,7 +279,7 @@ class FrequencyResponse(_Samples):
             raise ValueError(f"kind is {kind!r}; expected bode or nyquist")
         return draw(self, ax=ax, **options)
 
-    def __iter__(self) -> Iterator[np.ndarray]:
+    def __iter__(self) -> Iterator[Array]:
         return iter((self._omega, self._response))
 
     def __getitem__(self, points: Any) -> FrequencyResponse:
@@ -357,7 +357,7 @@ class FrequencyResponse(_Samples):
         axis = "f, Hz" if self.frequency_unit == "Hz" else "omega, rad/s"
         return html_table([axis, "Re" + unit, "Im" + unit], rows, repr(self) + (f", every {step}th" if step > 1 else ""))
 
-    def _shown(self, omega: np.ndarray) -> np.ndarray:
+    def _shown(self, omega: Array) -> Array:
         """Frequencies in the unit of sentences and pictures."""
         return omega / (2 * np.pi) if self.frequency_unit == "Hz" else omega
 
@@ -424,26 +424,26 @@ class TimeSeries(_Samples):
         self.metadata = dict(mapping(metadata or {}, "metadata"))
 
     @property
-    def time(self) -> np.ndarray:
+    def time(self) -> Array:
         """s."""
         return self._time
 
     @property
-    def input(self) -> np.ndarray:
+    def input(self) -> Array:
         """Samples of the input."""
         return self._input
 
     @property
-    def output(self) -> np.ndarray:
+    def output(self) -> Array:
         """Samples of the output."""
         return self._output
 
     @property
-    def sigma(self) -> np.ndarray | None:
+    def sigma(self) -> Array | None:
         """Standard deviations of the output, or None."""
         return self._sigma
 
-    def __iter__(self) -> Iterator[np.ndarray]:
+    def __iter__(self) -> Iterator[Array]:
         return iter((self._time, self._output))
 
     @property
@@ -494,7 +494,7 @@ class TimeSeries(_Samples):
         }
 
 
-def _indices(given: Any, size: int) -> np.ndarray:
+def _indices(given: Any, size: int) -> Array:
     numbers = real_array(given, "kept")
     if not np.all((numbers == np.floor(numbers)) & (numbers >= 0) & (numbers < size)):
         raise ValueError(f"kept has entries that are no index of the {size} samples")
@@ -615,12 +615,12 @@ def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]
     return _files.sweep_names(path_of(path, "path"), key_column)
 
 
-def _frozen(array: np.ndarray) -> np.ndarray:
+def _frozen(array: Array) -> Array:
     # A caller's own array is not to change what was checked, nor to be made read-only.
     array = np.array(array)
     array.flags.writeable = False
     return array
 
 
-def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+def _same(a: Array | None, b: Array | None) -> bool:
     return (a is None) == (b is None) and (a is None or np.array_equal(a, b))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import complex_array, real_array
+from ._arrays import Array, complex_array, real_array
 from ._data import FrequencyResponse, TimeSeries, read
 
 _EXPECTED = (
@@ -65,7 +65,7 @@ def _of_arrays(f: Any, values: Any) -> FrequencyResponse:
     return FrequencyResponse.from_hz(frequencies, response)
 
 
-def _single(array: Any, what: str) -> np.ndarray:
+def _single(array: Any, what: str) -> Array:
     values = np.asarray(array)
     if values.ndim > 1 and values.size != values.shape[-1]:
         raise ValueError(f"the {what} has the shape {values.shape}; expected one input and one output, such as response[0, 0]")
@@ -196,7 +196,7 @@ def formula_of(given: Any) -> str | None:
     return _of_state_space(*(np.atleast_2d(np.asarray(each, dtype=float)) for each in parts))
 
 
-def _polynomial(given: Any, what: str) -> np.ndarray:
+def _polynomial(given: Any, what: str) -> Array:
     while isinstance(given, (list, np.ndarray)) and len(given) == 1 and np.ndim(given[0]) >= 1:
         given = given[0]
     if isinstance(given, (list, np.ndarray)) and len(given) and np.ndim(given[0]) >= 1:
@@ -211,7 +211,7 @@ def _number(value: float) -> str:
     return repr(float(value)).removesuffix(".0")
 
 
-def _sum(coefficients: np.ndarray) -> str:
+def _sum(coefficients: Array) -> str:
     """Of falling whole powers of s."""
     said = ""
     for power, value in zip(range(len(coefficients) - 1, -1, -1), coefficients):
@@ -224,7 +224,7 @@ def _sum(coefficients: np.ndarray) -> str:
     return said or "0"
 
 
-def _ratio(numerator: np.ndarray, denominator: np.ndarray) -> str:
+def _ratio(numerator: Array, denominator: Array) -> str:
     if not denominator.size:
         raise ValueError("the denominator is 0")
     if denominator.size == 1 and denominator[0] == 1:
@@ -255,7 +255,7 @@ def _factored(zeros: Any, poles: Any, gain: Any) -> str:
     return f"{_number(factor[0])}{factors(zeros, 'zeros')}" + (f"/({below})" if below else "")
 
 
-def _of_state_space(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> str:
+def _of_state_space(a: Array, b: Array, c: Array, d: Array) -> str:
     states = a.shape[0] if a.size else 0
     if d.size != 1:
         raise ValueError(f"D has the shape {d.shape}; expected one input and one output")

@@ -7,7 +7,7 @@ from typing import Any, Mapping
 
 import numpy as np
 
-from ._arrays import complex_array, count, mapping, text
+from ._arrays import Array, complex_array, count, mapping, text
 from ._fit import _described, _fitting
 from ._doors import response_of
 from ._model import _Record
@@ -32,7 +32,7 @@ class Economy(_Record, EconomyNumbers):
         """Fewest parameters of each class, by its name, for each of `errors`; None where no number asked for suffices."""
         return {curve["name"]: tuple(curve["needs"]) for curve in self.curves}
 
-    def points(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+    def points(self, name: str) -> tuple[Array, Array]:
         """Numbers of parameters and errors of a class or curve, as for a picture of one over the other."""
         for curve in self.curves:
             if curve["name"] == name:

@@ -156,8 +156,10 @@ def export_fmu(
     restitution: float | None = None,
     mass1: float = 1.0,
     mass2: float = 1.0,
+    fmi: int = 2,
+    windows: bool = False,
 ) -> pathlib.Path:
-    """Functional mock-up unit (FMI 2.0) of a controller, a filter, a fractional plant, or two masses with backlash.
+    """Functional mock-up unit (FMI 2.0 or 3.0) of a controller, a filter, a fractional plant, or two masses with backlash.
 
     Parameters
     ----------
@@ -166,6 +168,15 @@ def export_fmu(
         and `restitution` make a unit of two masses (kg).
     out : path
         File to write, ``.fmu``.
+    fmi : {2, 3}
+        Version of the Functional Mock-up Interface.
+    windows : bool
+        With a library for 64-bit Windows too, by the compiler x86_64-w64-mingw32-gcc.
+
+    Raises
+    ------
+    RuntimeError
+        A library for Windows is asked for, and the compiler is not there.
 
     Warns
     -----
@@ -180,7 +191,15 @@ def export_fmu(
     if not hasattr(_files, "fmu_archive"):
         raise RuntimeError("this installation of fracfit writes no units: it was built with FRACFIT_EXPORTS=OFF")
     label = text(name, "name")
-    how = {"name": label, "precision": text(precision, "precision"), "fixed_point": None, "comment": "Made by fracfit.export_fmu."}
+    if fmi not in (2, 3):
+        raise ValueError(f"fmi is {fmi}; expected 2 or 3")
+    how = {
+        "name": label,
+        "precision": text(precision, "precision"),
+        "fixed_point": None,
+        "comment": "Made by fracfit.export_fmu.",
+        "fmi": str(fmi),
+    }
     note = ""
     if clearance is not None:
         if source is not None:
@@ -193,7 +212,7 @@ def export_fmu(
         scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(restitution, "restitution"))
         unit = _core.export_masses(*scene, how)
     elif isinstance(source, FractionalPid) or sample_time is not None:
-        unit = _in_samples(source, "fmu", sample_time, band, tolerance, label, precision, None)
+        unit = _in_samples(source, "fmu", sample_time, band, tolerance, label, precision, None, fmi)
     else:
         if source is None:
             raise ValueError("source has no value; expected a controller, a model, or clearance and restitution of two masses")
@@ -201,7 +220,8 @@ def export_fmu(
             raise ValueError("band has no value; a continuous plant needs it, (lower, upper) in rad/s, a filter sample_time")
         within = 1e-3 if tolerance is None else number(tolerance, "tolerance")
         unit, note = _core.export_plant(_model(source)._tf, pair(band, "band"), within, how)
-    archive, no_library = _files.fmu_archive(*unit)
+    files, main_source, linux_library, windows_library = unit
+    archive, no_library = _files.fmu_archive(files, main_source, linux_library, windows_library if windows else "")
     if no_library:
         warnings.warn(f"the unit holds its sources only: {no_library}", stacklevel=3)
     if note:
@@ -215,7 +235,7 @@ def _model(source: Any) -> Model:
 
 
 def _in_samples(
-    source: Any, form: str, sample_time: Any, band: Any, tolerance: Any, name: Any, precision: Any, fixed_point: Any
+    source: Any, form: str, sample_time: Any, band: Any, tolerance: Any, name: Any, precision: Any, fixed_point: Any, fmi: int = 2
 ) -> Any:
     is_pid = isinstance(source, FractionalPid)
     how = {
@@ -223,6 +243,7 @@ def _in_samples(
         "precision": text(precision, "precision"),
         "comment": "",
         "fixed_point": None if fixed_point is None else pair(fixed_point, "fixed_point"),
+        "fmi": str(fmi),
     }
     given = {"sample_time": sample_time, "band": band, "tolerance": tolerance}
     if is_pid:

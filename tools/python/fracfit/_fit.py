@@ -8,12 +8,12 @@ import math
 import re
 import warnings
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, Sequence, TypeVar, Union
 
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, complex_array, count, flag, mapping, number, pair, real_array, seed_number, text, texts
+from ._arrays import Array, body_of, complex_array, count, flag, mapping, number, pair, real_array, seed_number, text, texts
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of, response_of
@@ -44,14 +44,16 @@ _REMEDIES = {
 }
 
 
+_Result = TypeVar("_Result")
+
 # What the compiled part calls the kinds of numbers.
 _KINDS = {"flag": "bool", "count": "int", "number": "float", "text": "str", "object": "dict"}
 
 
-def _described(result: str) -> Callable[[type], type]:
+def _described(result: str) -> Callable[[type[_Result]], type[_Result]]:
     """Puts the numbers of a result, as the compiled part describes them, before the attributes in a docstring."""
 
-    def described(made: type) -> type:
+    def described(made: type[_Result]) -> type[_Result]:
         told = ""
         for name, kind, meaning, entries in _fitting.described[result]:
             meaning = re.sub(", see [a-z-]+", f": {entries}" if entries else "", meaning)
@@ -165,12 +167,12 @@ class FitResult(Table, FitResultNumbers):
         return self._each("identified")
 
     @property
-    def covariance(self) -> np.ndarray:
+    def covariance(self) -> Array:
         """Covariance of the parameters."""
         return np.array(self._values["covariance"], dtype=float)
 
     @property
-    def residuals(self) -> np.ndarray:
+    def residuals(self) -> Array:
         """Fit minus data at every point, in their unit and without weight; those at `data.omega`, or at the kept samples of `data.time`.
 
         Points that were left out have theirs too; how many parts the search weighed is `residual_count`.
@@ -206,7 +208,7 @@ class FitResult(Table, FitResultNumbers):
         lines = _with_advice(_fitting.summary(self._values), self._values["advice"])
         return lines + "\n" + self.law if self.law else lines
 
-    def predict(self, omega: Any = None) -> np.ndarray:
+    def predict(self, omega: Any = None) -> Array:
         """Fitted values: at frequencies (rad/s, any order), or of a record over time at its own instants."""
         if isinstance(self._data, TimeSeries):
             if omega is not None:
@@ -215,7 +217,7 @@ class FitResult(Table, FitResultNumbers):
         omega = self._data.omega if omega is None else real_array(omega, "omega")
         return _fitting.fitted_response(self._values, self._options.get("realisation", EXACT), omega)
 
-    def deviation(self, omega: Any) -> np.ndarray:
+    def deviation(self, omega: Any) -> Array:
         """Standard deviation of the response of the fitted model: columns real part, imaginary part, ln of the magnitude, phase (rad)."""
         return _fitting.response_deviation(self._values, self._options.get("realisation", EXACT), real_array(omega, "omega"))
 
@@ -414,13 +416,13 @@ class FitPoints(_Record, Table):
         Points that were not fitted.
     """
 
-    omega: np.ndarray
-    response: np.ndarray
-    time: np.ndarray
-    output: np.ndarray
-    fit: np.ndarray
-    residual: np.ndarray
-    left_out: np.ndarray
+    omega: Array
+    response: Array
+    time: Array
+    output: Array
+    fit: Array
+    residual: Array
+    left_out: Array
 
     def _columns(self) -> dict[str, Any]:
         if "time" in self.__dict__:
@@ -444,15 +446,15 @@ class FitBand(_Record, Table):
         Half of that of the phase, rad.
     """
 
-    omega: np.ndarray
-    response: np.ndarray
-    re_lower: np.ndarray
-    re_upper: np.ndarray
-    im_lower: np.ndarray
-    im_upper: np.ndarray
-    magnitude_lower: np.ndarray
-    magnitude_upper: np.ndarray
-    phase_half_width: np.ndarray
+    omega: Array
+    response: Array
+    re_lower: Array
+    re_upper: Array
+    im_lower: Array
+    im_upper: Array
+    magnitude_lower: Array
+    magnitude_upper: Array
+    phase_half_width: Array
 
     def _columns(self) -> dict[str, Any]:
         return {
@@ -685,22 +687,22 @@ class BatchResult(Sequence[Any], Table):
         self.errors = errors
 
     @property
-    def parameters(self) -> dict[str, np.ndarray]:
+    def parameters(self) -> dict[str, Array]:
         """Values of each parameter over all data, NaN where there is none."""
         return self._over_data("parameters")
 
     @property
-    def standard_errors(self) -> dict[str, np.ndarray]:
+    def standard_errors(self) -> dict[str, Array]:
         """Standard errors likewise."""
         return self._over_data("standard_errors")
 
     @property
-    def usable(self) -> np.ndarray:
+    def usable(self) -> Array:
         """Which fits converged."""
         return np.array([result is not None and result.usable for result in self.results])
 
-    def _over_data(self, attribute: str) -> dict[str, np.ndarray]:
-        columns: dict[str, np.ndarray] = {}
+    def _over_data(self, attribute: str) -> dict[str, Array]:
+        columns: dict[str, Array] = {}
         for i, result in enumerate(self.results):
             for name, value in (getattr(result, attribute) if result is not None else {}).items():
                 columns.setdefault(name, np.full(len(self.results), math.nan))[i] = value
@@ -1157,10 +1159,10 @@ class SceneIdentification(_Record, SceneIdentificationNumbers, Table):
     usable : bool
     """
 
-    curve: np.ndarray
-    omega: np.ndarray
-    used: np.ndarray
-    response: np.ndarray
+    curve: Array
+    omega: Array
+    used: Array
+    response: Array
     usable: bool
 
     def _columns(self) -> dict[str, Any]:
@@ -1328,12 +1330,12 @@ class CustomCircuit:
         return self.result_
 
     @property
-    def parameters_(self) -> np.ndarray:
+    def parameters_(self) -> Array:
         """Values, in order of appearance."""
         return np.array(list(self._fitted().parameters.values()))
 
     @property
-    def conf_(self) -> np.ndarray:
+    def conf_(self) -> Array:
         """Standard errors."""
         return np.array(list(self._fitted().standard_errors.values()))
 
@@ -1341,7 +1343,7 @@ class CustomCircuit:
         """Names, in order of appearance."""
         return list(self._fitted().parameters)
 
-    def predict(self, frequencies: Any) -> np.ndarray:
+    def predict(self, frequencies: Any) -> Array:
         """Impedance at frequencies in Hz, in any order."""
         return self._fitted().predict(2 * np.pi * real_array(frequencies, "frequencies"))
 

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 from typing import Any, Callable, Sequence
 
-import numpy as np
-
-from ._core import Structure, TransferFunction
+from ._core import Array, Structure, TransferFunction
 
 Dict = dict[str, Any]
 
@@ -24,9 +22,9 @@ def summary(fit: Dict, /) -> str: ...
 def bootstrap(data: Dict, options: Dict, fit: Dict, samples: int, threads: int, /) -> list[tuple[float, float, float]]: ...
 def derive(fit: Dict, definition: str, /) -> Dict: ...
 def lack_of_fit(data: Dict, options: Dict, fit: Dict, /) -> Dict: ...
-def fitted_response(fit: Dict, realisation: Dict, omega: np.ndarray, /) -> np.ndarray: ...
-def fitted_output(data: Dict, options: Dict, fit: Dict, /) -> np.ndarray: ...
-def response_deviation(fit: Dict, realisation: Dict, omega: np.ndarray, /) -> np.ndarray: ...
+def fitted_response(fit: Dict, realisation: Dict, omega: Array, /) -> Array: ...
+def fitted_output(data: Dict, options: Dict, fit: Dict, /) -> Array: ...
+def response_deviation(fit: Dict, realisation: Dict, omega: Array, /) -> Array: ...
 def presets() -> list[tuple[str, str, str]]: ...
 def identify(data: Dict, models: Sequence[str], curves: Dict, options: Dict, threads: int, /) -> Dict: ...
 def economy(
@@ -40,8 +38,8 @@ def tune_with_backlash(bodies: Dict, specification: Dict, options: Dict, /) -> D
 def student_t_95(degrees_of_freedom: float, /) -> float: ...
 def validate(data: Dict, level: float, accuracy: float, tolerance: float, /) -> Dict: ...
 def times_of_data(data: Dict, kernel: str, seed: int, /) -> Dict: ...
-def times_of_fit(fit: Dict, tau: np.ndarray, kernel: str, /) -> Dict: ...
-def times_of_model(structure: Structure, values: list[float], tau: np.ndarray, kernel: str, /) -> Dict: ...
+def times_of_fit(fit: Dict, tau: Array, kernel: str, /) -> Dict: ...
+def times_of_model(structure: Structure, values: list[float], tau: Array, kernel: str, /) -> Dict: ...
 def joint_fit(
     data: list[Dict],
     names: list[str],
@@ -55,9 +53,9 @@ def formula_of(model: str, /) -> str: ...
 def jump_law(
     mass1: float,
     mass2: float,
-    force: np.ndarray,
-    clearance: np.ndarray,
-    restitution: np.ndarray,
+    force: Array,
+    clearance: Array,
+    restitution: Array,
     criterion: str,
     threads: int,
     report: Callable[[int, int], Any] | None,
@@ -66,10 +64,10 @@ def jump_law(
 def contact_jump_law(
     mass1: float,
     mass2: float,
-    force: np.ndarray,
-    clearance: np.ndarray,
-    stiffness: np.ndarray,
-    damping: np.ndarray,
+    force: Array,
+    clearance: Array,
+    stiffness: Array,
+    damping: Array,
     criterion: str,
     threads: int,
     report: Callable[[int, int], Any] | None,
@@ -78,9 +76,9 @@ def contact_jump_law(
 def jump_constants(
     mass1: float,
     mass2: float,
-    force: np.ndarray,
-    clearance: np.ndarray,
-    restitution: np.ndarray,
+    force: Array,
+    clearance: Array,
+    restitution: Array,
     criterion: str,
     threads: int,
     report: Callable[[int, int], Any] | None,
@@ -89,10 +87,10 @@ def jump_constants(
 def contact_jump_constants(
     mass1: float,
     mass2: float,
-    force: np.ndarray,
-    clearance: np.ndarray,
-    stiffness: np.ndarray,
-    damping: np.ndarray,
+    force: Array,
+    clearance: Array,
+    stiffness: Array,
+    damping: Array,
     criterion: str,
     /,
 ) -> list[Dict]: ...

@@ -7,7 +7,7 @@ from typing import Any, Literal, Mapping, Sequence, overload
 
 import numpy as np
 
-from ._arrays import count, flag, mapping, number, real_array, seed_number, text, texts
+from ._arrays import Array, count, flag, mapping, number, real_array, seed_number, text, texts
 from ._data import FrequencyResponse, TimeSeries
 from ._doors import data_of
 from ._fit import Known, Limits, Priors, _described, _fitted_part, _fitting, _known, _one_of, _structure, weight_of, without_noise
@@ -55,7 +55,7 @@ class JointFit(_Record, JointFitNumbers, Table):
         return [each["name"] for each in self.curves]
 
     @property
-    def each(self) -> dict[str, np.ndarray]:
+    def each(self) -> dict[str, Array]:
         """Values of the parameters that are not shared, over the curves."""
         shared = self.parameters
         names = [each["name"] for each in self.curves[0]["parameters"]] if self.curves else []
@@ -87,7 +87,7 @@ class JointFit(_Record, JointFitNumbers, Table):
         order = np.argsort(parts["omega"], kind="stable")
         return MasterCurve({key: np.array(column)[order] for key, column in parts.items()})
 
-    def _over_curves(self, name: str, key: str) -> np.ndarray:
+    def _over_curves(self, name: str, key: str) -> Array:
         return np.array([next(p[key] for p in curve["parameters"] if p["name"] == name) for curve in self.curves])
 
     def __getitem__(self, name: str) -> Any:
@@ -137,11 +137,11 @@ class MasterCurve(_Record, Table):
         What the fit says there.
     """
 
-    omega: np.ndarray
-    response: np.ndarray
-    curve: np.ndarray
-    omega_measured: np.ndarray
-    model: np.ndarray
+    omega: Array
+    response: Array
+    curve: Array
+    omega_measured: Array
+    model: Array
 
     def _columns(self) -> dict[str, Any]:
         columns = {"omega": self.omega, "re": self.response.real, "im": self.response.imag, "curve": self.curve}

@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, count, mapping, number, pair, real_array, text
+from ._arrays import Array, complex_array, count, mapping, number, pair, real_array, text
 from ._data import FrequencyResponse, TimeSeries
 from ._tables import Table
 from ._text import escaped, html_table, short
@@ -81,9 +81,9 @@ class Stability(_Record):
     """
 
     stability: str
-    poles: np.ndarray
-    multiplicity: np.ndarray
-    cancelled: np.ndarray
+    poles: Array
+    multiplicity: Array
+    cancelled: Array
     commensurate_order: float | None
     remark: str
     summary: str
@@ -111,8 +111,8 @@ class Margins(_Record):
     gain_reduction: float
     phase_margin: float
     delay_margin: float
-    phase_crossovers: np.ndarray
-    gain_crossovers: np.ndarray
+    phase_crossovers: Array
+    gain_crossovers: Array
     remark: str
 
 
@@ -131,10 +131,10 @@ class Realisation(_Record):
         The tolerance is kept.
     """
 
-    A: np.ndarray
-    B: np.ndarray
-    C: np.ndarray
-    D: np.ndarray
+    A: Array
+    B: Array
+    C: Array
+    D: Array
     delay: float
     method: str
     stable: bool
@@ -145,7 +145,7 @@ class Realisation(_Record):
     summary: str
 
     @property
-    def ss(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def ss(self) -> tuple[Array, Array, Array, Array]:
         """(A, B, C, D)."""
         return self.A, self.B, self.C, self.D
 
@@ -182,9 +182,9 @@ class DigitalPower(_Record):
 
     sample_time: float
     discretisation: str
-    taps: np.ndarray
-    rates: np.ndarray
-    feeds: np.ndarray
+    taps: Array
+    rates: Array
+    feeds: Array
     gain: float
     differences: int
     integrators: int
@@ -195,7 +195,7 @@ class DigitalPower(_Record):
     message: str
     summary: str
 
-    def response(self, omega: Any) -> np.ndarray:
+    def response(self, omega: Any) -> Array:
         """H at frequencies in rad/s, above 0 and below pi/T."""
         x = real_array(omega, "omega") * self.sample_time
         if not ((x > 0) & (x < math.pi)).all():
@@ -212,8 +212,8 @@ class Approximation(_Record):
     ``digital`` is the recursion in the samples where a sample time was given, else None.
     """
 
-    zeros: np.ndarray
-    poles: np.ndarray
+    zeros: Array
+    poles: Array
     gain: float
     integer_order: int
     max_relative_error: float
@@ -226,7 +226,7 @@ class Approximation(_Record):
     digital: DigitalPower | None
 
     @property
-    def zpk(self) -> tuple[np.ndarray, np.ndarray, float]:
+    def zpk(self) -> tuple[Array, Array, float]:
         """(zeros, poles, gain) with the whole power of s as roots at 0, as `scipy.signal` takes them."""
         at_zero = np.zeros(abs(self.integer_order))
         zeros, poles = self.zeros, self.poles
@@ -258,8 +258,8 @@ class TimeResponse(_Record, Table):
     meets_tolerance : bool
     """
 
-    time: np.ndarray
-    output: np.ndarray
+    time: Array
+    output: Array
     method: str
     error_estimate: float
     meets_tolerance: bool
@@ -268,7 +268,7 @@ class TimeResponse(_Record, Table):
     def _columns(self) -> dict[str, Any]:
         return {"time_s": self.time, "output": self.output}
 
-    def __iter__(self) -> Iterator[np.ndarray]:
+    def __iter__(self) -> Iterator[Array]:
         return iter((self.time, self.output))
 
     def plot(self, *, ax: Any = None, **style: Any) -> Any:
@@ -463,7 +463,7 @@ class Model:
         values = self._structure.response(self._values(), omega, realisation_of(realisation))
         return FrequencyResponse(omega, values)
 
-    def poles(self) -> np.ndarray:
+    def poles(self) -> Array:
         """Poles on the principal sheet, rad/s, both members of each pair.
 
         Raises
@@ -904,7 +904,7 @@ def _written(pattern: str, *parts: Model | float) -> Model:
     return Model(pattern.format(*map(formula_of, parts)))
 
 
-def _time_response(time: np.ndarray, found: dict[str, Any]) -> TimeResponse:
+def _time_response(time: Array, found: dict[str, Any]) -> TimeResponse:
     return TimeResponse({"time": time, **found})
 
 

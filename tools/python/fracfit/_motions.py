@@ -9,7 +9,7 @@ from typing import Any, Literal, overload
 import numpy as np
 
 from . import _core
-from ._arrays import body_of, count, flag, number, pair, real_array, seed_number
+from ._arrays import Array, body_of, count, flag, number, pair, real_array, seed_number
 from ._backlash import contacts_of
 from ._data import TimeSeries
 from ._model import Model, _Record
@@ -21,16 +21,16 @@ from ._words import named
 class _Motion(_Record, Table):
     """Positions and velocities of two masses over time."""
 
-    time: np.ndarray
-    x1: np.ndarray
-    v1: np.ndarray
-    x2: np.ndarray
-    v2: np.ndarray
-    event_code: np.ndarray
+    time: Array
+    x1: Array
+    v1: Array
+    x2: Array
+    v2: Array
+    event_code: Array
     _words: tuple[str, ...] = ()
 
     @property
-    def event(self) -> np.ndarray:
+    def event(self) -> Array:
         """What each row shows."""
         return np.array(self._words)[self.event_code]
 
@@ -55,8 +55,8 @@ class _Motion(_Record, Table):
 class _OfContacts(_Motion):
     """With the force of contacts, where these take time."""
 
-    contact_code: np.ndarray | None
-    contact_force: np.ndarray | None
+    contact_code: Array | None
+    contact_force: Array | None
     _hard_words: tuple[str, ...] = ()
 
     @property
@@ -64,7 +64,7 @@ class _OfContacts(_Motion):
         return self._hard_words if self.contact_force is None else _core.compliant_events
 
     @property
-    def contact(self) -> np.ndarray | None:
+    def contact(self) -> Array | None:
         """Wall that the bodies are at in each row: none, near or far; None where it is not told."""
         return None if self.contact_code is None else np.array(["none", "near", "far"])[self.contact_code]
 
@@ -122,7 +122,7 @@ class LoopMotion(_OfContacts):
         Of a sampled controller what differs from what was asked.
     """
 
-    force: np.ndarray
+    force: Array
     _hard_words = _core.loop_events
     impacts: int
     end: str
@@ -146,10 +146,10 @@ class RigRecord(_Record, Table):
         False where the motion could not be followed to its end: of `history` nothing is left then.
     """
 
-    time: np.ndarray
-    force: np.ndarray
-    x1: np.ndarray
-    x2: np.ndarray
+    time: Array
+    force: Array
+    x1: Array
+    x2: Array
     sample_time: float
     complete: bool
 
@@ -187,14 +187,14 @@ class Basins(_Record, Table):
         False at restitution 1, where nothing attracts and the motions of the starts are listed.
     """
 
-    position: np.ndarray
-    velocity: np.ndarray
-    attractor: np.ndarray
+    position: Array
+    velocity: Array
+    attractor: Array
     attractors: list[dict[str, Any]]
     attracts: bool
 
     @property
-    def shares(self) -> np.ndarray:
+    def shares(self) -> Array:
         """Share of the starts that lead to each of them."""
         return np.array([each["starts"] for each in self.attractors]) / self.attractor.size
 

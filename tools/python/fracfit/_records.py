@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import NO_NUMBERS, count, number, pair, path_of, real_array, seed_number, text
+from ._arrays import NO_NUMBERS, Array, count, number, pair, path_of, real_array, seed_number, text
 from ._data import FrequencyResponse, TimeSeries
 from ._model import _Record
 from ._motions import RigRecord
@@ -63,23 +63,23 @@ class RecordResponse(_Record, Table):
         Whether any point is left.
     """
 
-    omega: np.ndarray
-    response: np.ndarray
-    sigma: np.ndarray
-    deviation_re: np.ndarray
-    deviation_im: np.ndarray
-    correlation: np.ndarray
-    degrees_of_freedom: np.ndarray
-    noise: np.ndarray
-    distortion: np.ndarray
-    even_distortion: np.ndarray
-    coherence: np.ndarray
-    h1: np.ndarray
-    subharmonic: np.ndarray
-    harmonics: np.ndarray
-    harmonics_sigma: np.ndarray
-    input_amplitude: np.ndarray
-    periods: np.ndarray
+    omega: Array
+    response: Array
+    sigma: Array
+    deviation_re: Array
+    deviation_im: Array
+    correlation: Array
+    degrees_of_freedom: Array
+    noise: Array
+    distortion: Array
+    even_distortion: Array
+    coherence: Array
+    h1: Array
+    subharmonic: Array
+    harmonics: Array
+    harmonics_sigma: Array
+    input_amplitude: Array
+    periods: Array
     excitation: str
     period: float
     realisations: int
@@ -177,9 +177,9 @@ class Multisine(_Record, Table):
         Peak over root mean square.
     """
 
-    time: np.ndarray
-    input: np.ndarray
-    lines: np.ndarray
+    time: Array
+    input: Array
+    lines: Array
     amplitude: float
     crest_factor: float
 
@@ -339,7 +339,7 @@ def _of_rig(rig: RigRecord, output: Any) -> dict[str, Any]:
     return {"record": signals, "names": [f"{body}_m" for body in bodies], "units": ["m/N"] * len(bodies), "input_unit": "N"}
 
 
-def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, np.ndarray, list[np.ndarray], np.ndarray, list[tuple[int, int]]]:
+def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float | None) -> tuple[float, Array, list[Array], Array, list[tuple[int, int]]]:
     for name, value in (("input", input), ("output", output)):
         if value is None:
             raise ValueError(f"{name} has no value; expected times, input and output, a TimeSeries, or the path of a file")
@@ -356,7 +356,7 @@ def _of_arrays(time: Any, input: Any, output: Any, reference: Any, step: float |
     return (_step_of(real_array(time, "data"), signal.size) if step is None else step), signal, outputs, drive, []
 
 
-def _step_of(time: np.ndarray, size: int) -> float:
+def _step_of(time: Array, size: int) -> float:
     if time.size != size:
         raise ValueError(f"data has {time.size} times and input {size} samples; expected as many, or sample_time=")
     if size < 2:

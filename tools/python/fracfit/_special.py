@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, flag, number, real_array, shape_of
+from ._arrays import Array, complex_array, flag, number, real_array, shape_of
 from ._words import named
 
 
@@ -52,7 +52,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, gamma: Any = 1.0, derivativ
         values = _core.mittag_leffler_points(number(alpha, "alpha"), number(beta, "beta"), points)
         return values.reshape(shape)
 
-    def spread(array: np.ndarray, own: tuple[int, ...]) -> np.ndarray:
+    def spread(array: Array, own: tuple[int, ...]) -> Array:
         return np.ascontiguousarray(np.broadcast_to(array.reshape(own), shape)).reshape(-1)
 
     orders = [spread(real_array(each, name, ()), own) for each, name, own in zip((alpha, beta), ("alpha", "beta"), shapes)]
@@ -69,7 +69,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, gamma: Any = 1.0, derivativ
 
 
 @named
-def derivative(samples: Any, order: float, sample_time: float, *, tolerance: float = 1e-12) -> np.ndarray:
+def derivative(samples: Any, order: float, sample_time: float, *, tolerance: float = 1e-12) -> Array:
     """Fractional derivative (order > 0) or integral (order < 0) of samples that were 0 before the first.
 
     By the Gruenwald-Letnikov sum with its whole memory, at a cost per sample that does not grow.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import number, real_array, seed_number, text
+from ._arrays import Array, number, real_array, seed_number, text
 from ._doors import response_of
 from ._fit import FitResult, _described, _fitting
 from ._model import Model, _Record
@@ -32,12 +32,12 @@ class Validation(_Record, ValidationNumbers, Table):
 
     usable: bool
     summary: str
-    model: np.ndarray
-    deviation: np.ndarray
+    model: Array
+    deviation: Array
     data: Any
 
     @property
-    def residuals(self) -> np.ndarray:
+    def residuals(self) -> Array:
         """Data minus the consistent model over its modulus, NaN where a point was not judged or set aside."""
         return (self.data.response - self.model) / np.abs(self.model)
 
@@ -77,10 +77,10 @@ class RelaxationTimes(_Record, RelaxationTimesNumbers, Table):
 
     follows_data: bool
     unit: str
-    tau: np.ndarray
-    density: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    tau: Array
+    density: Array
+    lower: Array
+    upper: Array
 
     def _columns(self) -> dict[str, Any]:
         unit = column_unit(self.unit)
@@ -156,7 +156,7 @@ def validate(
     return Validation({**found, "data": points})
 
 
-def _or_nan(given: np.ndarray, size: int) -> np.ndarray:
+def _or_nan(given: Array, size: int) -> Array:
     return given if given.size == size else np.full(size, math.nan, dtype=given.dtype)
 
 
@@ -206,7 +206,7 @@ def drt(
     return _times(found, points.unit)
 
 
-def _of_formula(given: FitResult | Model, times: np.ndarray | None, kernel: str | None) -> RelaxationTimes:
+def _of_formula(given: FitResult | Model, times: Array | None, kernel: str | None) -> RelaxationTimes:
     if times is None:
         omega = getattr(given.data, "omega", None) if isinstance(given, FitResult) else None
         if omega is None:

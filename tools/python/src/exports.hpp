@@ -23,17 +23,18 @@ namespace python {
 }
 
 [[nodiscard]] inline pybind11::tuple tuple_of(const frac::Fmu& unit) {
-  return pybind11::make_tuple(unit.name, list_of(unit.files), unit.main_source);
+  return pybind11::make_tuple(list_of(unit.files), unit.main_source, unit.linux_library, unit.windows_library);
 }
 
-/// @param how  keys name, precision, comment
+/// @param how  keys name, precision, comment, and fmi, the version
 [[nodiscard]] inline frac::FmuOptions fmu_options(const pybind11::dict& how) {
   return {how["name"].cast<std::string>(), frac::precision_from_string(how["precision"].cast<std::string>()),
-          how["comment"].cast<std::string>(), "fracfit " FRACFIT_VERSION};
+          how["comment"].cast<std::string>(), "fracfit " FRACFIT_VERSION,
+          frac::fmi_version_from_string(how["fmi"].cast<std::string>())};
 }
 
 /// A recursion in the samples, a PID or a filter, in the form "c99" (a text), "arduino" (paths and texts) or "fmu"
-/// (name, paths and texts, and the path that is compiled).
+/// (paths and texts, the path that is compiled, and those of the libraries for Linux and Windows).
 /// @param how  besides: fixed_point, the ranges of input and output, or None
 template <class Design>
 [[nodiscard]] pybind11::object exported(const Design& design, const std::string& form, const pybind11::dict& how) {

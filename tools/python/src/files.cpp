@@ -120,10 +120,13 @@ PYBIND11_MODULE(_files, module) {
   });
   module.def("inverse_unit", &io::inverse_immittance_unit);
 #ifdef FRACFIT_HAS_EXPORTS
-  module.def("fmu_archive", [](const std::string& name, const std::vector<std::pair<std::string, std::string>>& files,
-                               const std::string& main_source) {
-    const auto made = result_of([&](frac::Progress&) { return io::fmu_archive(name, files, main_source); });
-    return py::make_tuple(py::bytes(made.bytes), made.no_library);
-  });
+  module.def("fmu_archive",
+             [](const std::vector<std::pair<std::string, std::string>>& files, const std::string& main_source,
+                const std::string& linux_path, const std::string& windows_path) {
+               const auto made = result_of([&](frac::Progress&) {
+                 return io::fmu_archive(files, main_source, {linux_path, windows_path});
+               });
+               return py::make_tuple(py::bytes(made.bytes), made.no_library);
+             });
 #endif
 }
