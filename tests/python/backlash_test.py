@@ -188,7 +188,7 @@ def test_wrong_scenes_are_refused():
         fracfit.describing_function([2.0, 1.0], restitution=0.5)
     with pytest.raises(ValueError, match="protocol"):
         fracfit.describing_function([1.0], restitution=0.5, protocol="fast")
-    with pytest.raises(ValueError, match="restitution has no value"):
+    with pytest.raises(ValueError, match="give either restitution"):
         fracfit.orbits(1.0, 2.0)
     with pytest.raises(ValueError):
         fracfit.describing_function([1.0], restitution=[0.1, 0.2], force=[1.0, 2.0, 3.0])

@@ -719,7 +719,14 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--contact-stiffness has no meaning without --clearance");
   expect(refusal({"tune", "--clearance", "0.1", "--crossover", "1"}),
          "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
-  expect(refusal({"orbits", "--contact-stiffness", "1"}), "orbits does not take --contact-stiffness");
+  expect(refusal({"report", "--contact-stiffness", "1"}), "report does not take --contact-stiffness");
+  expect(refusal({"orbits", "--from", "1", "--to", "2"}), "--restitution is missing, or --contact-stiffness");
+  expect(refusal({"orbits", "--parameter", "restitution", "--omega", "2", "--from", "0.1", "--to", "0.9",
+                  "--contact-stiffness", "100", "--contact-damping", "1"}),
+         "must be omega, force, clearance or contact-frequency");
+  expect(refusal({"orbits", "--parameter", "contact-frequency", "--omega", "2", "--from", "10", "--to", "20",
+                  "--restitution", "0.5"}),
+         "contacts with a restitution take no time");
 }
 
 }  // namespace
