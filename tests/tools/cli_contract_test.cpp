@@ -709,9 +709,12 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   expect(refusal({"loop", "--controller", "exp(-0.1 s) (1 + s)", "--contact-stiffness", "100", "--contact-damping", "1",
                   "--velocity2", "1"}),
          "dead time of 0.1 s");
-  expect(refusal({"limit-cycles", "--controller", "1 + s", "--contact-stiffness", "100", "--contact-damping", "1",
-                  "--over", "mass1=1:2:2"}),
-         "--over has no meaning with --contact-stiffness");
+  const std::vector<std::string> cycles{"limit-cycles", "--controller",      "1 + s", "--contact-stiffness",
+                                        "100",          "--contact-damping", "1"};
+  expect(refusal(with(cycles, {"--omega", "1:2"})), "--omega has no meaning with --contact-stiffness");
+  expect(refusal(with(cycles, {"--over", "restitution=0.2,0.4"})), "give contact-restitution");
+  // The contact is not given by its frequency.
+  expect(refusal(with(cycles, {"--over", "contact-frequency=10,20"})), "contact-frequency");
   expect(refusal({"basins", "--omega", "1", "--friction1", "1", "--restitution", "0.5"}),
          "--friction1 has no meaning with --restitution");
   expect(refusal({"tune", "--model", "1/(s + 1)", "--crossover", "1", "--contact-stiffness", "1", "--contact-damping",
