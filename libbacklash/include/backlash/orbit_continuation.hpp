@@ -42,7 +42,7 @@ enum class BranchEnd {
   period_doubling,    // the same
   closed,             // a closed loop, ended where it began
   lost,               // Newton's iteration failed
-  too_long,           // after 20 000 orbits
+  too_long,           // after 20 000 orbits, of contacts that take time 500
 };
 
 [[nodiscard]] std::string_view to_string(OrbitParameter parameter);

@@ -24,7 +24,8 @@ using Index = Eigen::Index;
 constexpr double first_step = 2e-3, longest_step = 0.05, shortest_step = 1e-8;
 // Of a step that meets a kink: within it the motion is the same one.
 constexpr double longest_to_kink = 2e-3;
-constexpr std::size_t most_motions = 2000, most_branches = 500;
+// A range of a factor 4 takes a hundred motions; each costs milliseconds, unlike one of impacts.
+constexpr std::size_t most_motions = 500, most_branches = 500;
 // Cosine of the angle between neighbouring tangents below which a step is taken again, shorter.
 constexpr double least_cosine = 0.99;
 
