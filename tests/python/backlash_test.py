@@ -140,6 +140,16 @@ def test_orbits_and_cycles_of_the_command_line():
     assert cycles.cycles[0]["stable"] and cycles.certain
 
 
+def test_orbits_of_contacts_that_take_time():
+    contact = fracfit.contact_of_frequency(20, restitution=0.6)
+    branch = fracfit.orbits(1.5, 1.6, longest_period=1, most_impacts=2, **contact)[0]
+    kinds = {each["kind"]: each["parameter"] for each in branch.bifurcations}
+    # c of fracfit jump-law --constants, from the closed form of the symmetric orbit.
+    assert branch.symmetric and abs(kinds["symmetry-breaking"] - 1.5382764311066555) < 1e-8
+    with pytest.raises(ValueError, match="contact-frequency"):
+        fracfit.orbits(0.3, 0.6, parameter="restitution", omega=2, **contact)
+
+
 def test_cycles_of_bodies_and_of_more_impacts():
     # Motions that end in cycles with four impacts, which the equations of two impacts do not know.
     found = command_line.json_of("limit-cycles", "--controller", "20 + s", "--restitution", 0.6)
@@ -188,7 +198,7 @@ def test_wrong_scenes_are_refused():
         fracfit.describing_function([2.0, 1.0], restitution=0.5)
     with pytest.raises(ValueError, match="protocol"):
         fracfit.describing_function([1.0], restitution=0.5, protocol="fast")
-    with pytest.raises(ValueError, match="restitution has no value"):
+    with pytest.raises(ValueError, match="give either restitution"):
         fracfit.orbits(1.0, 2.0)
     with pytest.raises(ValueError):
         fracfit.describing_function([1.0], restitution=[0.1, 0.2], force=[1.0, 2.0, 3.0])

@@ -709,9 +709,12 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   expect(refusal({"loop", "--controller", "exp(-0.1 s) (1 + s)", "--contact-stiffness", "100", "--contact-damping", "1",
                   "--velocity2", "1"}),
          "dead time of 0.1 s");
-  expect(refusal({"limit-cycles", "--controller", "1 + s", "--contact-stiffness", "100", "--contact-damping", "1",
-                  "--over", "mass1=1:2:2"}),
-         "--over has no meaning with --contact-stiffness");
+  const std::vector<std::string> cycles{"limit-cycles", "--controller",      "1 + s", "--contact-stiffness",
+                                        "100",          "--contact-damping", "1"};
+  expect(refusal(with(cycles, {"--omega", "1:2"})), "--omega has no meaning with --contact-stiffness");
+  expect(refusal(with(cycles, {"--over", "restitution=0.2,0.4"})), "give contact-restitution");
+  // The contact is not given by its frequency.
+  expect(refusal(with(cycles, {"--over", "contact-frequency=10,20"})), "contact-frequency");
   expect(refusal({"basins", "--omega", "1", "--friction1", "1", "--restitution", "0.5"}),
          "--friction1 has no meaning with --restitution");
   expect(refusal({"tune", "--model", "1/(s + 1)", "--crossover", "1", "--contact-stiffness", "1", "--contact-damping",
@@ -719,7 +722,14 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--contact-stiffness has no meaning without --clearance");
   expect(refusal({"tune", "--clearance", "0.1", "--crossover", "1"}),
          "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
-  expect(refusal({"orbits", "--contact-stiffness", "1"}), "orbits does not take --contact-stiffness");
+  expect(refusal({"report", "--contact-stiffness", "1"}), "report does not take --contact-stiffness");
+  expect(refusal({"orbits", "--from", "1", "--to", "2"}), "--restitution is missing, or --contact-stiffness");
+  expect(refusal({"orbits", "--parameter", "restitution", "--omega", "2", "--from", "0.1", "--to", "0.9",
+                  "--contact-stiffness", "100", "--contact-damping", "1"}),
+         "must be omega, force, clearance or contact-frequency");
+  expect(refusal({"orbits", "--parameter", "contact-frequency", "--omega", "2", "--from", "10", "--to", "20",
+                  "--restitution", "0.5"}),
+         "contacts with a restitution take no time");
 }
 
 }  // namespace

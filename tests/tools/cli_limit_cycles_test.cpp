@@ -46,6 +46,35 @@ TEST(LimitCyclesCommand, WritesEveryCycleBesideItsPrediction) {
     EXPECT_TRUE(cycle.contains(key)) << key;
 }
 
+// Over the frequency of contacts the cycle of two tends to that of the restitution in first order, which
+// 2 f(2 wc) - f(wc) removes; what is left is of the size of the first order squared.
+TEST(LimitCyclesCommand, FollowsContactsThatTakeTimeOverTheirFrequency) {
+  const auto cycle_of = [](const nlohmann::json& loop) {
+    for (const auto& cycle : loop["cycles"])
+      if (cycle["impacts_per_period"] == 2 && cycle["symmetric"] == true && cycle["stable"] == true)
+        return cycle["omega"].get<double>();
+    return 0.0;
+  };
+  const auto hard =
+      run_fracfit(limit_cycles("1 + 0.3 s", {"--restitution", "0.6", "--format", "json", "--starts", "0"}));
+  ASSERT_EQ(hard.code, 0) << hard.error;
+  const double limit = cycle_of(nlohmann::json::parse(hard.output));
+  const auto result =
+      run_fracfit(limit_cycles("1 + 0.3 s", {"--contact-frequency", "1", "--contact-restitution", "0.6", "--over",
+                                             "contact-frequency=100,200,400", "--format", "json", "--starts", "0"}));
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  ASSERT_EQ(json["loops"].size(), 3U);
+  std::vector<double> off;
+  for (const auto& loop : json["loops"]) off.push_back(cycle_of(loop) - limit);
+  EXPECT_EQ(json["loops"][1]["varied"]["contact-frequency"], 200);
+  EXPECT_EQ(json["loops"][1]["scene"]["contact_frequency_rad_s"], 200);
+  for (std::size_t i = 0; i + 1 < off.size(); ++i) {
+    EXPECT_GT(std::abs(off[i + 1]), 1e-4);
+    EXPECT_LT(std::abs(2 * off[i + 1] - off[i]), 4 * off[i] * off[i]) << i;
+  }
+}
+
 // Motions settle on a symmetric cycle of four impacts here, for which only the orbits of a diagram have a prediction.
 TEST(LimitCyclesCommand, PredictsOnAllBranchesWhereAsked) {
   const auto predictions = [](const std::vector<std::string>& more) {

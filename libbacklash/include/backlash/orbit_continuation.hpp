@@ -16,7 +16,13 @@
 namespace backlash {
 
 /// The quantity that changes along a branch; the others of the scene are held.
-enum class OrbitParameter { omega, force, clearance, restitution };
+enum class OrbitParameter {
+  omega,
+  force,
+  clearance,
+  restitution,
+  contact_frequency,  // of contacts that take time, at one damping ratio; see compliant/compliant_orbits.hpp
+};
 
 /// Bifurcations of periodic orbits in one parameter.
 enum class Bifurcation {
@@ -24,17 +30,19 @@ enum class Bifurcation {
   symmetry_breaking,  // a multiplier +1 at which the orbit parts from its mirror image (pitchfork)
   period_doubling,    // a multiplier -1
   grazing,            // a contact of speed 0 is gained or lost
+  sticking,           // a rest of a body with dry friction, or a turn without one, is gained or lost
 };
 
 /// Why a branch ends.
 enum class BranchEnd {
   range,              // at the end of the range asked for
   grazing,            // at a bifurcation of that kind
+  sticking,           // the same
   symmetry_breaking,  // at the bifurcation it is born from
   period_doubling,    // the same
   closed,             // a closed loop, ended where it began
   lost,               // Newton's iteration failed
-  too_long,           // after 20 000 orbits
+  too_long,           // after 20 000 orbits, of contacts that take time 500
 };
 
 [[nodiscard]] std::string_view to_string(OrbitParameter parameter);
@@ -115,6 +123,7 @@ struct OrbitDiagram {
 /// basins_at names a value where it does.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, > 0
+/// @param parameter  not contact_frequency, as contacts take no time
 /// @param from,to   0 < from < to, for restitution 0 <= from < to <= 1
 /// @param progress  counts starts, if given
 /// @throws std::invalid_argument  naming the quantity, its value and what is allowed; clearance 0 has no impacts.

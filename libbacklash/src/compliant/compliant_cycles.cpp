@@ -34,13 +34,8 @@ struct Meeting {
 };
 
 Meeting turned_over(const CompliantFlow& flow, const Meeting& of) {
-  Meeting turned{-of.state, of.mode};
+  Meeting turned{-of.state, flow.turned_over(of.mode)};
   turned.state.segment(CompliantFlow::cosine, 3) *= -1;
-  turned.mode.contact *= -1;
-  turned.mode.left *= -1;
-  turned.mode.limit *= -1;
-  for (int i = 0; i < 2; ++i)
-    if (flow.friction(i) != 0) turned.mode.slide[static_cast<std::size_t>(i)] *= -1;
   return turned;
 }
 

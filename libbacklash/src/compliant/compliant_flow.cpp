@@ -315,6 +315,15 @@ CompliantMode CompliantFlow::mode_of(const Eigen::VectorXd& state) const {
   return mode;
 }
 
+CompliantMode CompliantFlow::turned_over(CompliantMode mode) const {
+  mode.contact *= -1;
+  mode.left *= -1;
+  mode.limit *= -1;
+  for (int i = 0; i < 2; ++i)
+    if (friction(i) != 0) mode.slide[static_cast<std::size_t>(i)] *= -1;
+  return mode;
+}
+
 std::vector<std::complex<double>> CompliantFlow::take_phasors(Eigen::VectorXd& state, double periods) const {
   std::vector<std::complex<double>> phasors;
   for (int k = 0; k < harmonics_; ++k) {

@@ -87,6 +87,8 @@ class CompliantFlow {
   [[nodiscard]] static LoopStart positions(const Eigen::VectorXd& state);
   /// The bodies at a peak, with whatever contact and sliding goes with the state.
   [[nodiscard]] CompliantMode mode_of(const Eigen::VectorXd& state) const;
+  /// Of the mirror image.
+  [[nodiscard]] CompliantMode turned_over(CompliantMode mode) const;
   /// Puts the force at its peak exactly and W to 0. @return 2/T times the integral of v e^{-j k omega t}
   std::vector<std::complex<double>> take_phasors(Eigen::VectorXd& state, double periods) const;
 

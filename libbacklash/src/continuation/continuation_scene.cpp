@@ -110,6 +110,7 @@ double ContinuationScene::branch_parameter(double value) const {
     case OrbitParameter::clearance:
       return log_gamma({system_.mass1(), system_.mass2(), value, system_.restitution()}, force_, omega_);
     case OrbitParameter::restitution:
+    case OrbitParameter::contact_frequency:  // refused before
       break;
   }
   return value;
@@ -124,6 +125,7 @@ double ContinuationScene::parameter(const OrbitSegment& segment) const {
     case OrbitParameter::clearance:
       return scales(segment).clearance;
     case OrbitParameter::restitution:
+    case OrbitParameter::contact_frequency:  // refused before
       break;
   }
   // The end of a range is met to rounding, also from outside.

@@ -6,6 +6,10 @@
 
 namespace backlash::detail {
 
+/// @throws std::invalid_argument  as orbit_diagram(), of what every kind of contact has.
+void require_diagram(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter,
+                     double from, double to, const OrbitContinuationOptions& options);
+
 /// The scene of a continuation in the units of the gap motion, gamma = F/(M2 clearance omega^2) and restitution, and
 /// back.
 class ContinuationScene {

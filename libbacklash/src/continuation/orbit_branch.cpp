@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/bracketed_root.hpp"
 #include "contact_margin.hpp"
 #include "frac/cancellation.hpp"
 #include "orbit_correction.hpp"
@@ -24,31 +25,6 @@ constexpr double least_cosine = 0.995;
 // Change of the parameter within a step beyond both of its ends: a fold bends a branch by its curvature times half the
 // square of the step.
 constexpr double most_bend = 1e-3;
-
-// Root of f on [a, b] by regula falsi with halving of the end that stays (Illinois), bisection where that is slow.
-template <typename Function>
-std::optional<double> bracketed_root(double a, double b, double fa, double fb, const Function& f) {
-  if (fa == 0) return a;
-  if (fb == 0) return b;
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    double x = iteration % 4 == 3 ? 0.5 * (a + b) : b - fb * (b - a) / (fb - fa);
-    if (!(x > std::min(a, b) && x < std::max(a, b))) x = 0.5 * (a + b);
-    if (x == a || x == b || std::abs(b - a) <= 1e-15 * std::max(std::abs(a), std::abs(b))) return x;
-    const std::optional<double> value = f(x);
-    if (!value) return std::nullopt;
-    if (*value == 0) return x;
-    if ((*value < 0) != (fb < 0)) {
-      a = b;
-      fa = fb;
-    } else {
-      fa *= 0.5;
-    }
-    b = x;
-    fb = *value;
-    if (std::abs(b - a) < 1e-14) return b;
-  }
-  return b;
-}
 
 // One step of a branch: the orbits between two neighbouring points, by distance along the tangent of the first.
 class Step {

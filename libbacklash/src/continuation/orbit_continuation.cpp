@@ -25,21 +25,24 @@ using detail::OrbitSegment;
 
 constexpr double pi = std::numbers::pi;
 
-constexpr std::array<std::pair<OrbitParameter, std::string_view>, 4> parameters = {{
+constexpr std::array<std::pair<OrbitParameter, std::string_view>, 5> parameters = {{
     {OrbitParameter::omega, "omega"},
     {OrbitParameter::force, "force"},
     {OrbitParameter::clearance, "clearance"},
     {OrbitParameter::restitution, "restitution"},
+    {OrbitParameter::contact_frequency, "contact-frequency"},
 }};
-constexpr std::array<std::pair<Bifurcation, std::string_view>, 4> bifurcations = {{
+constexpr std::array<std::pair<Bifurcation, std::string_view>, 5> bifurcations = {{
     {Bifurcation::saddle_node, "saddle-node"},
     {Bifurcation::symmetry_breaking, "symmetry-breaking"},
     {Bifurcation::period_doubling, "period-doubling"},
     {Bifurcation::grazing, "grazing"},
+    {Bifurcation::sticking, "sticking"},
 }};
-constexpr std::array<std::pair<BranchEnd, std::string_view>, 7> branch_ends = {{
+constexpr std::array<std::pair<BranchEnd, std::string_view>, 8> branch_ends = {{
     {BranchEnd::range, "range"},
     {BranchEnd::grazing, "grazing"},
+    {BranchEnd::sticking, "sticking"},
     {BranchEnd::symmetry_breaking, "symmetry-breaking"},
     {BranchEnd::period_doubling, "period-doubling"},
     {BranchEnd::closed, "closed"},
@@ -78,35 +81,14 @@ void require_range(OrbitParameter parameter, double from, double to) {
     }
     return;
   }
-  const std::string unit = parameter == OrbitParameter::omega   ? "rad/s"
-                           : parameter == OrbitParameter::force ? "N"
-                                                                : "m";
+  const std::string unit = parameter == OrbitParameter::force       ? "N"
+                           : parameter == OrbitParameter::clearance ? "m"
+                                                                    : "rad/s";
   detail::require_positive(name + "_from", unit, from);
   detail::require_positive(name + "_to", unit, to);
   if (!(from < to)) {
     throw std::invalid_argument(name + "_from is " + detail::text(from) + "; it must be less than " + name +
                                 "_to = " + detail::text(to) + " (" + unit + ")");
-  }
-}
-
-void check(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter, double from,
-           double to, const OrbitContinuationOptions& options) {
-  if (parameter != OrbitParameter::force) detail::require_positive("force_amplitude", "N", force_amplitude);
-  if (parameter != OrbitParameter::clearance) detail::require_positive("clearance", "m", system.clearance());
-  if (parameter != OrbitParameter::omega) detail::require_positive("omega", "rad/s", omega);
-  require_range(parameter, from, to);
-  for (const auto& [name, value, least] :
-       {std::tuple{"longest_period", options.longest_period, 1}, std::tuple{"most_impacts", options.most_impacts, 2},
-        std::tuple{"threads", options.threads, 0}}) {
-    if (value < least) {
-      throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) + "; it must be at least " +
-                                  std::to_string(least));
-    }
-  }
-  for (const double value : options.basins_at) {
-    if (value >= from && value <= to) continue;
-    throw std::invalid_argument("basins_at holds " + detail::text(value) + "; it must lie within " +
-                                detail::text(from) + " to " + detail::text(to));
   }
 }
 
@@ -127,6 +109,28 @@ std::vector<OrbitSegment> basin_orbits(const OrbitSegment& at, int threads) {
 }
 
 }  // namespace
+
+void detail::require_diagram(const TwoMassSystem& system, double force_amplitude, double omega,
+                             OrbitParameter parameter, double from, double to,
+                             const OrbitContinuationOptions& options) {
+  if (parameter != OrbitParameter::force) detail::require_positive("force_amplitude", "N", force_amplitude);
+  if (parameter != OrbitParameter::clearance) detail::require_positive("clearance", "m", system.clearance());
+  if (parameter != OrbitParameter::omega) detail::require_positive("omega", "rad/s", omega);
+  require_range(parameter, from, to);
+  for (const auto& [name, value, least] :
+       {std::tuple{"longest_period", options.longest_period, 1}, std::tuple{"most_impacts", options.most_impacts, 2},
+        std::tuple{"threads", options.threads, 0}}) {
+    if (value < least) {
+      throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) + "; it must be at least " +
+                                  std::to_string(least));
+    }
+  }
+  for (const double value : options.basins_at) {
+    if (value >= from && value <= to) continue;
+    throw std::invalid_argument("basins_at holds " + detail::text(value) + "; it must lie within " +
+                                detail::text(from) + " to " + detail::text(to));
+  }
+}
 
 std::string_view to_string(OrbitParameter parameter) {
   return frac::detail::spelling(parameters, parameter);
@@ -158,7 +162,10 @@ PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period) {
 
 OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter,
                            double from, double to, const OrbitContinuationOptions& options, frac::Progress* progress) {
-  check(system, force_amplitude, omega, parameter, from, to, options);
+  if (parameter == OrbitParameter::contact_frequency)
+    throw std::invalid_argument(
+        "parameter is contact-frequency; contacts with a restitution take no time and have none");
+  detail::require_diagram(system, force_amplitude, omega, parameter, from, to, options);
   const detail::ContinuationScene scene(system, force_amplitude, omega, parameter, options.output);
   const detail::ParameterRange range = scene.range(from, to);
   const auto motion_at = [&](double share) {

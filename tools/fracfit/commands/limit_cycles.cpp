@@ -44,9 +44,11 @@ class LimitCyclesCommand : public Command {
     loop_.add(o);
     loop_.add_body(o);
     o.parsed("--omega", range_, range_of, "where cycles are looked for, LOW:HIGH").default_is("wherever they can be");
-    o.parsed("--over", over_, variation_of,
-             "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
-             "NAME=FROM:TO:N");
+    o.parsed(
+        "--over", over_, variation_of,
+        "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula; with contacts that "
+        "take time also of contact-stiffness and the like, friction1, friction2",
+        "NAME=FROM:TO:N");
     o.count("--starts", starts_, 0, most_starts,
             "Motions simulated from seeded starts, which find cycles with any number of impacts or rests in contact; "
             "with --over at the "
@@ -62,7 +64,7 @@ class LimitCyclesCommand : public Command {
          "FOLDER")
         .unsaid();
     contact_.add(o);
-    for (const char* name : {"--over", "--omega", "--branches", "--pictures"})
+    for (const char* name : {"--omega", "--branches", "--pictures"})
       CompliantOptions::exclude(o[name], "whose contacts take time");
     add_common({"csv", "json", "table"});
     set_footer(
@@ -75,7 +77,8 @@ class LimitCyclesCommand : public Command {
         "and json tell where cycles meet, lose stability or cease between the values, refined to 1e-10, and where none "
         "is\n"
         "left.\n"
-        "With contacts that take time: what the symmetric cycles of the restitution become, stable or not, and what "
+        "With contacts that take time --over gives cycles at its values alone: what the symmetric cycles of the "
+        "restitution become, stable or not, and what "
         "motions\n"
         "from seeded starts settle on; impacts_per_period counts meetings of the bodies, sticks_per_period how often "
         "dry\n"
@@ -128,17 +131,24 @@ class LimitCyclesCommand : public Command {
   void check() override {
     if (!is_compliant()) loop_.check(over_.name);
   }
-  [[nodiscard]] bool is_compliant() const { return over_.name != "restitution" && contact_.are_given(options()); }
+  [[nodiscard]] bool is_compliant() const {
+    if (over_.name != "restitution") return contact_.are_given(options());
+    return options()["--contact-stiffness"].is_given() || options()["--contact-frequency"].is_given();
+  }
 
   int run_compliant() {
-    const backlash::CompliantLoop loop = loop_.loop(contact_);
     backlash::CompliantCycleOptions request;
     request.starts = starts_.value_or(request.starts);
-    const CompliantLoopCycles cycles{
-        loop, contact_entries(loop.bodies()),
-        frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies().hard())),
-        backlash::compliant_cycles(loop, request)};
-    if (cycles.rigid.stability == frac::Stability::unstable)
+    std::vector<std::pair<backlash::CompliantLoop, io::Metadata>> loops;
+    if (over_.values.empty()) loops.emplace_back(loop_.loop(contact_), io::Metadata{});
+    for (const double value : over_.values)
+      loops.emplace_back(loop_.loop(contact_, over_.name, value), io::Metadata{{over_.name, io::format_number(value)}});
+    std::vector<CompliantLoopCycles> cycles;
+    for (const auto& [loop, varied] : loops)
+      cycles.push_back({loop, contact_entries(loop.bodies()),
+                        frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies().hard())),
+                        backlash::compliant_cycles(loop, request), varied});
+    if (over_.values.empty() && cycles.front().rigid.stability == frac::Stability::unstable)
       say("the loop is unstable even without clearance: its cycles do not tell what limits the motion");
     write(format() == "json"  ? limit_cycles_json(cycles, command_line())
           : format() == "csv" ? limit_cycles_csv(cycles, command_line())

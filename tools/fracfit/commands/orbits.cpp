@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "backlash/compliant/compliant_orbits.hpp"
 #include "backlash/orbit_continuation.hpp"
 #include "commands/subcommand.hpp"
 #include "io/number.hpp"
@@ -17,7 +19,8 @@ class Orbits : public Command {
  public:
   Orbits()
       : Command("orbits",
-                "Branches of periodic orbits over frequency, force, clearance or restitution, stable and unstable, "
+                "Branches of periodic orbits over frequency, force, clearance, restitution or contact frequency, "
+                "stable and unstable, "
                 "with their bifurcations") {
     constexpr std::size_t most = 1000;
     constexpr const char* why = "which is what changes from --from to --to; leave it out";
@@ -31,10 +34,9 @@ class Orbits : public Command {
     o.number("--to", to_, "Its highest value", "VALUE").required();
     o.one_number("--omega", omega_, "unless it changes")
         .not_with(changes("omega"), why)
-        .needed_with({"--parameter", {"force", "clearance", "restitution"}});
-    o.one_number("--restitution", restitution_, "unless it changes")
-        .not_with(changes("restitution"), why)
-        .needed_with({"--parameter", {"omega", "force", "clearance"}});
+        .needed_with({"--parameter", {"force", "clearance", "restitution", "contact-frequency"}});
+    o.one_number("--restitution", restitution_, "unless it changes").not_with(changes("restitution"), why);
+    contact_.add(o);
     o.choice("--body", continuation_.output, backlash::outputs());
     o.count("--longest-period", continuation_.longest_period, 1, most, "Force periods of the longest orbits kept", "N");
     o.count("--most-impacts", continuation_.most_impacts, 2, most, "Impacts of the longest orbits kept", "N");
@@ -50,9 +52,13 @@ class Orbits : public Command {
         "one leads to them.  A narrower range finds more, and --basins-at those that fracfit basins finds.\n"
         "Orbits in which the masses rest in contact are not followed: a branch ends at the grazing before; simulate "
         "and\nmap give them (regime chatter), each the only one that its stick leaves.\n"
+        "With contacts that take time nothing rests, and an orbit goes on past a grazing as the branch that begins "
+        "there.\n"
+        "--parameter contact-frequency then keeps the damping ratio of the contact that is given.\n"
         "Examples:\n"
         "  fracfit orbits --restitution 0.6 --from 1.3 --to 2.5\n"
         "  fracfit orbits --parameter restitution --omega 1.6 --from 0.1 --to 0.95\n"
+        "  fracfit orbits --contact-frequency 20 --contact-restitution 0.6 --friction1 0.02 --from 1.3 --to 2.5\n"
         "  fracfit orbits --restitution 0.6 --force 40 --clearance 0.3 --from 14 --to 25 --format json --out "
         "orbits.json");
   }
@@ -65,17 +71,31 @@ class Orbits : public Command {
     }
   }
 
+  [[nodiscard]] std::optional<backlash::CompliantBodies> compliant_bodies() const {
+    const auto given = [&](const Option& option) { return is_compliant_option(option.name()) && option.is_given(); };
+    const bool may_have_none = parameter_ == backlash::OrbitParameter::restitution;
+    if (may_have_none && std::ranges::none_of(options().all(), given)) return std::nullopt;
+    if (!contact_.are_given(options())) return std::nullopt;
+    return contact_.bodies(backlash::free_mass(scene_.mass1), backlash::free_mass(scene_.mass2), scene_.clearance)
+        .front();
+  }
+
   int run() override {
     const bool over_restitution = parameter_ == backlash::OrbitParameter::restitution;
-    const backlash::TwoMassSystem system = scene_.system(over_restitution ? 0 : restitution_);
     const double omega = parameter_ == backlash::OrbitParameter::omega ? from_ : omega_;
     continuation_.threads = threads();
+    const std::optional<backlash::CompliantBodies> bodies = compliant_bodies();
     frac::Progress progress;
     const auto diagram = [&] {
       const io::ProgressBar bar("orbits", progress, progress_style());
-      return backlash::orbit_diagram(system, scene_.force, omega, parameter_, from_, to_, continuation_, &progress);
+      const auto of = [&](const auto& bodies) {
+        return backlash::orbit_diagram(bodies, scene_.force, omega, parameter_, from_, to_, continuation_, &progress);
+      };
+      return bodies ? of(*bodies) : of(scene_.system(over_restitution ? 0 : restitution_));
     }();
-    write(format() == "json" ? orbits_json(diagram, command_line()) : orbits_text(diagram, format(), command_line()));
+    const io::Metadata contact = bodies ? contact_entries(*bodies) : io::Metadata{};
+    write(format() == "json" ? orbits_json(diagram, contact, command_line())
+                             : orbits_text(diagram, contact, format(), command_line()));
     if (diagram.branches.empty()) {
       say("no periodic orbit without rests between these values");
       return no_usable_result;
@@ -91,6 +111,7 @@ class Orbits : public Command {
   }
 
   Scene scene_;
+  CompliantOptions contact_;
   backlash::OrbitParameter parameter_ = backlash::OrbitParameter::omega;
   double from_ = NAN, to_ = NAN, omega_ = NAN, restitution_ = NAN;
   backlash::OrbitContinuationOptions continuation_;

@@ -149,9 +149,14 @@ backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) c
   return {backlash::LinearBodies(of.load, of.drive, of.clearance, of.restitution), of.controller, body_};
 }
 
-backlash::CompliantLoop LoopOptions::loop(const CompliantOptions& contact) const {
-  const Parts of = parts({}, NAN);
-  return {contact.bodies(of.load, of.drive, of.clearance).front(), of.controller, body_};
+backlash::CompliantLoop LoopOptions::loop(const CompliantOptions& contact, const std::string& name,
+                                          double value) const {
+  if (name == "restitution")
+    throw std::invalid_argument(
+        "--over restitution has no meaning with contacts that take time; give contact-restitution");
+  const std::optional<CompliantOptions> varied = contact.with(name, value);
+  const Parts of = parts(varied ? std::string() : name, value);
+  return {(varied ? *varied : contact).bodies(of.load, of.drive, of.clearance).front(), of.controller, body_};
 }
 
 }  // namespace fracfit

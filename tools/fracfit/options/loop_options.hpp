@@ -32,8 +32,9 @@ class LoopOptions {
   ///               name in a formula; empty for none
   /// @throws std::invalid_argument  no such name; a name without a value; as ControlLoop and LinearBodies.
   [[nodiscard]] backlash::ControlLoop loop(const std::string& name = {}, double value = NAN) const;
-  /// The same with contacts that take time and dry friction in place of the restitution.
-  [[nodiscard]] backlash::CompliantLoop loop(const CompliantOptions& contact) const;
+  /// The same with contacts that take time and dry friction in place of the restitution; `name` may be one of theirs.
+  [[nodiscard]] backlash::CompliantLoop loop(const CompliantOptions& contact, const std::string& name = {},
+                                             double value = NAN) const;
   /// s, of the set-point before the controller, see SetPoint; 0 but of a cascade.
   [[nodiscard]] double set_point_lag() const;
   /// @throws std::invalid_argument  a restitution that is missing, or given and varied.

@@ -69,6 +69,21 @@ bool CompliantOptions::are_given(const Options& options) const {
   throw std::invalid_argument("--restitution is missing, or --contact-stiffness or --contact-frequency instead");
 }
 
+std::optional<CompliantOptions> CompliantOptions::with(std::string_view name, double value) const {
+  CompliantOptions changed = *this;
+  for (const auto& [of, target] :
+       {std::pair{"contact-stiffness", &changed.stiffness_}, std::pair{"contact-damping", &changed.damping_},
+        std::pair{"contact-frequency", &changed.frequency_}, std::pair{"contact-ratio", &changed.ratio_},
+        std::pair{"contact-restitution", &changed.restitution_}}) {
+    if (name != of || target->empty()) continue;
+    *target = {value};
+    return changed;
+  }
+  if (name != "friction1" && name != "friction2") return std::nullopt;
+  (name == "friction1" ? changed.friction_.body1 : changed.friction_.body2) = value;
+  return changed;
+}
+
 std::array<std::string, 2> CompliantOptions::columns() const {
   if (frequency_.empty()) return {"contact_stiffness_n_m", "contact_damping_n_s_m"};
   return {"contact_frequency_rad_s", ratio_.empty() ? "contact_restitution" : "contact_ratio"};

@@ -44,6 +44,9 @@ class CompliantOptions {
   static void exclude(Option& option, const std::string& why);
   /// Which of the two kinds of contact was given. @throws std::invalid_argument  none.
   [[nodiscard]] bool are_given(const Options& options) const;
+  /// The same with a value for contact-stiffness, ..., friction1 or friction2 in place of the one given; empty for
+  /// another name, and for an option of contacts that was not given.
+  [[nodiscard]] std::optional<CompliantOptions> with(std::string_view name, double value) const;
   /// Of each contact, every combination of the two options that give it, the first of them slowest.
   /// @throws std::invalid_argument  as CompliantContact.
   [[nodiscard]] std::vector<backlash::CompliantContact> contacts(double mass1, double mass2) const;

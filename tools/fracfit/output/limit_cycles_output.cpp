@@ -212,6 +212,34 @@ std::string motions_text(const std::vector<backlash::CompliantMotion>& motions) 
   return text;
 }
 
+Json loop_json(const CompliantLoopCycles& loop) {
+  const backlash::CompliantBodies& bodies = loop.loop.bodies();
+  Json json = Json::object();
+  json["scene"] = {{"controller", loop.loop.controller().formula()},
+                   {"body", backlash::to_string(loop.loop.measured())},
+                   {"mass1_kg", bodies.system().mass1()},
+                   {"mass2_kg", bodies.system().mass2()},
+                   {"clearance_m", bodies.system().clearance()}};
+  json["scene"].update(object_of(loop.contact));
+  if (!bodies.hard().are_free()) {
+    json["scene"]["load_receptance"] = bodies.hard().load().formula();
+    json["scene"]["drive_receptance"] = bodies.hard().drive().formula();
+  }
+  json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
+                        {"unstable_poles", loop.rigid.unstable_poles}};
+  const auto rests = rests_of(loop.loop);
+  json["rests"] = rests ? Json({{"from", rests->from}, {"to", rests->to}}) : Json();
+  Json& cycles = json["cycles"] = Json::array();
+  for (const backlash::CompliantCycle& cycle : loop.found.cycles) cycles.push_back(cycle_json(cycle));
+  Json& motions = json["motions"] = Json::array();
+  for (const backlash::CompliantMotion& motion : loop.found.motions)
+    motions.push_back({{"velocity1", motion.start.v1},
+                       {"velocity2", motion.start.v2},
+                       {"regime", backlash::to_string(motion.regime)},
+                       {"omega", motion.cycle ? Json(loop.found.cycles[*motion.cycle].omega) : Json()}});
+  return json;
+}
+
 Json loop_json(const LoopCycles& loop) {
   const backlash::TwoMassSystem& system = loop.loop.system();
   Json json = Json::object();
@@ -562,6 +590,47 @@ ManyAlike many_alike(const std::vector<ListedCycle>& listed, const IsOne& is_one
   return many.count > most_shown ? many : ManyAlike{};
 }
 
+std::string loop_table(const CompliantLoopCycles& loop) {
+  std::string text = "Rigid loop (no clearance): " + std::string(frac::to_string(loop.rigid.stability));
+  if (loop.rigid.unstable_poles > 0) text += ", poles to the right: " + std::to_string(loop.rigid.unstable_poles);
+  text += "\n\n";
+  AlignedTable table(
+      {"omega", "motion", "contacts", "sticks", "|z|", "speed", "x1", "x2", "force", "predicted", "error"});
+  std::string remarks;
+  for (const backlash::CompliantCycle& cycle : loop.found.cycles) {
+    const std::string no_reason;
+    const ListedCycle listed = listed_cycle(cycle, no_reason);
+    std::vector<std::string> row{short_number(cycle.omega), cycle.stability.stable ? "stable" : "unstable",
+                                 std::to_string(cycle.contacts), std::to_string(cycle.sticks)};
+    for (const double value : {listed.multiplier_modulus(), cycle.impact_speed, listed.amplitude_x1(),
+                               listed.amplitude_x2(), listed.amplitude_force()})
+      row.push_back(short_number(value));
+    row.push_back(cycle.predicted ? short_number(cycle.predicted->omega) : "-");
+    row.push_back(cycle.predicted ? percent(cycle.predicted->omega / cycle.omega - 1) : "-");
+    table.add(row);
+    const std::string at = "omega " + short_number(cycle.omega) + ": ";
+    if (!cycle.symmetric) remarks += paragraph(at + "asymmetric, its mirror image is another one.", 2);
+    if (!cycle.stability.stable)
+      remarks += paragraph(at + "unstable by " + std::string(backlash::to_string(cycle.stability.loss)) + ".", 2);
+  }
+  remarks += motions_text(loop.found.motions);
+  text += loop.found.cycles.empty() ? "No limit cycle was found.\n" : table.text();
+  if (!remarks.empty()) text += "\n" + remarks;
+  if (const auto rests = rests_of(loop.loop))
+    text +=
+        "\n" + paragraph("Dry friction can hold " + std::string(backlash::to_string(loop.loop.measured())) + " from " +
+                         short_number(rests->from) + " to " + short_number(rests->to) + " m off the set-point.");
+  if (loop.found.cycles.empty()) return text;
+  text +=
+      "\n" + paragraph(
+                 "omega in rad/s; contacts: times that the bodies meet in a period; sticks: times that one comes to "
+                 "rest; |z|: largest multiplier, per half period of symmetric cycles; speed: of the hardest meeting, "
+                 "m/s; x1, x2 (m) and force (N): peak of the fundamental; predicted: omega by the describing "
+                 "function. Looked for were what symmetric cycles of the restitution become and what motions settle "
+                 "on.");
+  return text;
+}
+
 }  // namespace
 
 std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed) {
@@ -618,50 +687,47 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
   return text;
 }
 
-std::string limit_cycles_json(const CompliantLoopCycles& loop, const std::string& command) {
-  const backlash::CompliantBodies& bodies = loop.loop.bodies();
+std::string limit_cycles_json(const std::vector<CompliantLoopCycles>& loops, const std::string& command) {
   Json json = origin(command);
-  json["scene"] = {{"controller", loop.loop.controller().formula()},
-                   {"body", backlash::to_string(loop.loop.measured())},
-                   {"mass1_kg", bodies.system().mass1()},
-                   {"mass2_kg", bodies.system().mass2()},
-                   {"clearance_m", bodies.system().clearance()}};
-  json["scene"].update(object_of(loop.contact));
-  if (!bodies.hard().are_free()) {
-    json["scene"]["load_receptance"] = bodies.hard().load().formula();
-    json["scene"]["drive_receptance"] = bodies.hard().drive().formula();
+  if (loops.front().varied.empty()) {
+    json.update(loop_json(loops.front()));
+    return json.dump(1) + "\n";
   }
-  json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
-                        {"unstable_poles", loop.rigid.unstable_poles}};
-  const auto rests = rests_of(loop.loop);
-  json["rests"] = rests ? Json({{"from", rests->from}, {"to", rests->to}}) : Json();
-  Json& cycles = json["cycles"] = Json::array();
-  for (const backlash::CompliantCycle& cycle : loop.found.cycles) cycles.push_back(cycle_json(cycle));
-  Json& motions = json["motions"] = Json::array();
-  for (const backlash::CompliantMotion& motion : loop.found.motions)
-    motions.push_back({{"velocity1", motion.start.v1},
-                       {"velocity2", motion.start.v2},
-                       {"regime", backlash::to_string(motion.regime)},
-                       {"omega", motion.cycle ? Json(loop.found.cycles[*motion.cycle].omega) : Json()}});
+  json["loops"] = Json::list(loops, [](const CompliantLoopCycles& loop) {
+    Json each{{"varied", object_of(loop.varied)}};
+    each.update(loop_json(loop));
+    return each;
+  });
   return json.dump(1) + "\n";
 }
 
-std::string limit_cycles_csv(const CompliantLoopCycles& loop, const std::string& command) {
-  io::Metadata head{{"body", std::string(backlash::to_string(loop.loop.measured()))},
-                    {"rigid_loop", std::string(frac::to_string(loop.rigid.stability))}};
-  head.insert(head.end(), loop.contact.begin(), loop.contact.end());
-  if (const auto rests = rests_of(loop.loop)) {
-    head.emplace_back("rest_from_m", io::format_number(rests->from));
-    head.emplace_back("rest_to_m", io::format_number(rests->to));
+std::string limit_cycles_csv(const std::vector<CompliantLoopCycles>& loops, const std::string& command) {
+  const CompliantLoopCycles& first = loops.front();
+  io::Metadata head{{"body", std::string(backlash::to_string(first.loop.measured()))}};
+  if (first.varied.empty()) {
+    head.emplace_back("rigid_loop", std::string(frac::to_string(first.rigid.stability)));
+    head.insert(head.end(), first.contact.begin(), first.contact.end());
+    if (const auto rests = rests_of(first.loop)) {
+      head.emplace_back("rest_from_m", io::format_number(rests->from));
+      head.emplace_back("rest_to_m", io::format_number(rests->to));
+    }
   }
+  std::vector<std::pair<const io::Metadata*, const backlash::CompliantCycle*>> rows;
+  for (const CompliantLoopCycles& loop : loops)
+    for (const backlash::CompliantCycle& cycle : loop.found.cycles) rows.emplace_back(&loop.varied, &cycle);
+  std::vector<std::string> columns;
+  for (const auto& [name, value] : first.varied) columns.push_back(name);
+  for (const char* column : {"omega_rad_s", "symmetric", "impacts_per_period", "sticks_per_period", "stable",
+                             "multiplier_modulus", "impulse_n_s", "impact_speed_m_per_s", "amplitude_x1_m",
+                             "amplitude_x2_m", "amplitude_force_n", "predicted_omega_rad_s", "predicted_force_n"})
+    columns.emplace_back(column);
   return text_of({head,
-                  {{"omega_rad_s", "symmetric", "impacts_per_period", "sticks_per_period", "stable",
-                    "multiplier_modulus", "impulse_n_s", "impact_speed_m_per_s", "amplitude_x1_m", "amplitude_x2_m",
-                    "amplitude_force_n", "predicted_omega_rad_s", "predicted_force_n"},
-                   loop.found.cycles.size(),
+                  {columns, rows.size(),
                    [&](std::size_t i, std::vector<Cell>& cells) {
                      constexpr double none = std::numeric_limits<double>::quiet_NaN();
-                     const backlash::CompliantCycle& cycle = loop.found.cycles[i];
+                     for (const auto& [name, value] : *rows[i].first)
+                       cells.emplace_back(io::parse_number(value).value_or(none));
+                     const backlash::CompliantCycle& cycle = *rows[i].second;
                      const std::string no_reason;
                      const ListedCycle listed = listed_cycle(cycle, no_reason);
                      cells.insert(cells.end(),
@@ -674,44 +740,12 @@ std::string limit_cycles_csv(const CompliantLoopCycles& loop, const std::string&
                  "csv", command);
 }
 
-std::string limit_cycles_table(const CompliantLoopCycles& loop) {
-  std::string text = "Rigid loop (no clearance): " + std::string(frac::to_string(loop.rigid.stability));
-  if (loop.rigid.unstable_poles > 0) text += ", poles to the right: " + std::to_string(loop.rigid.unstable_poles);
-  text += "\n\n";
-  AlignedTable table(
-      {"omega", "motion", "contacts", "sticks", "|z|", "speed", "x1", "x2", "force", "predicted", "error"});
-  std::string remarks;
-  for (const backlash::CompliantCycle& cycle : loop.found.cycles) {
-    const std::string no_reason;
-    const ListedCycle listed = listed_cycle(cycle, no_reason);
-    std::vector<std::string> row{short_number(cycle.omega), cycle.stability.stable ? "stable" : "unstable",
-                                 std::to_string(cycle.contacts), std::to_string(cycle.sticks)};
-    for (const double value : {listed.multiplier_modulus(), cycle.impact_speed, listed.amplitude_x1(),
-                               listed.amplitude_x2(), listed.amplitude_force()})
-      row.push_back(short_number(value));
-    row.push_back(cycle.predicted ? short_number(cycle.predicted->omega) : "-");
-    row.push_back(cycle.predicted ? percent(cycle.predicted->omega / cycle.omega - 1) : "-");
-    table.add(row);
-    const std::string at = "omega " + short_number(cycle.omega) + ": ";
-    if (!cycle.symmetric) remarks += paragraph(at + "asymmetric, its mirror image is another one.", 2);
-    if (!cycle.stability.stable)
-      remarks += paragraph(at + "unstable by " + std::string(backlash::to_string(cycle.stability.loss)) + ".", 2);
+std::string limit_cycles_table(const std::vector<CompliantLoopCycles>& loops) {
+  std::string text;
+  for (const CompliantLoopCycles& loop : loops) {
+    for (const auto& [name, value] : loop.varied) text += (text.empty() ? "" : "\n") + name + " " + value + "\n\n";
+    text += loop_table(loop);
   }
-  remarks += motions_text(loop.found.motions);
-  text += loop.found.cycles.empty() ? "No limit cycle was found.\n" : table.text();
-  if (!remarks.empty()) text += "\n" + remarks;
-  if (const auto rests = rests_of(loop.loop))
-    text +=
-        "\n" + paragraph("Dry friction can hold " + std::string(backlash::to_string(loop.loop.measured())) + " from " +
-                         short_number(rests->from) + " to " + short_number(rests->to) + " m off the set-point.");
-  if (loop.found.cycles.empty()) return text;
-  text +=
-      "\n" + paragraph(
-                 "omega in rad/s; contacts: times that the bodies meet in a period; sticks: times that one comes to "
-                 "rest; |z|: largest multiplier, per half period of symmetric cycles; speed: of the hardest meeting, "
-                 "m/s; x1, x2 (m) and force (N): peak of the fundamental; predicted: omega by the describing "
-                 "function. Looked for were what symmetric cycles of the restitution become and what motions settle "
-                 "on.");
   return text;
 }
 

@@ -31,6 +31,7 @@ struct CompliantLoopCycles {
   io::Metadata contact;  // entries that tell contact and friction
   frac::ClosedLoopStability rigid;
   backlash::CompliantCycles found;
+  io::Metadata varied = {};  // as of LoopCycles
 };
 
 /// The numbers of a cycle, as JSON has them.
@@ -48,8 +49,9 @@ struct CompliantLoopCycles {
 [[nodiscard]] std::string limit_cycles_table(const std::vector<LoopCycles>& loops,
                                              const backlash::CycleContinuation* followed);
 
-[[nodiscard]] std::string limit_cycles_json(const CompliantLoopCycles& loop, const std::string& command);
-[[nodiscard]] std::string limit_cycles_csv(const CompliantLoopCycles& loop, const std::string& command);
-[[nodiscard]] std::string limit_cycles_table(const CompliantLoopCycles& loop);
+/// Of one loop, or of several in which a quantity is varied.
+[[nodiscard]] std::string limit_cycles_json(const std::vector<CompliantLoopCycles>& loops, const std::string& command);
+[[nodiscard]] std::string limit_cycles_csv(const std::vector<CompliantLoopCycles>& loops, const std::string& command);
+[[nodiscard]] std::string limit_cycles_table(const std::vector<CompliantLoopCycles>& loops);
 
 }  // namespace fracfit

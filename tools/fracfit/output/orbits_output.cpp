@@ -19,13 +19,15 @@ std::string parameter_column(backlash::OrbitParameter parameter) {
       return "clearance_m";
     case backlash::OrbitParameter::restitution:
       return "restitution";
+    case backlash::OrbitParameter::contact_frequency:
+      return "contact_frequency_rad_s";
     case backlash::OrbitParameter::omega:
       break;
   }
   return "omega_rad_s";
 }
 
-io::Metadata scene_of(const backlash::OrbitDiagram& diagram) {
+io::Metadata scene_of(const backlash::OrbitDiagram& diagram, const io::Metadata& contact) {
   io::Metadata scene = {{"mass1_kg", io::format_number(diagram.system.mass1())},
                         {"mass2_kg", io::format_number(diagram.system.mass2())}};
   using backlash::OrbitParameter;
@@ -33,7 +35,14 @@ io::Metadata scene_of(const backlash::OrbitDiagram& diagram) {
                                          std::pair{OrbitParameter::force, diagram.force_amplitude},
                                          std::pair{OrbitParameter::restitution, diagram.system.restitution()},
                                          std::pair{OrbitParameter::omega, diagram.omega}}) {
-    if (parameter != diagram.parameter) scene.emplace_back(parameter_column(parameter), io::format_number(value));
+    const bool is_told = parameter == OrbitParameter::restitution && !contact.empty();
+    if (parameter != diagram.parameter && !is_told)
+      scene.emplace_back(parameter_column(parameter), io::format_number(value));
+  }
+  for (const auto& entry : contact) {
+    // Where the frequency changes, what is left of the contact is its ratio.
+    const bool changes = diagram.parameter == OrbitParameter::contact_frequency && entry.first.starts_with("contact_");
+    if (!changes || entry.first == "contact_ratio" || entry.first == "contact_restitution") scene.push_back(entry);
   }
   scene.emplace_back("parameter", std::string(backlash::to_string(diagram.parameter)));
   scene.emplace_back("from", io::format_number(diagram.from));
@@ -77,7 +86,8 @@ Json orbit_json(const backlash::PeriodicOrbit& orbit, backlash::OrbitParameter p
 
 }  // namespace
 
-std::string orbits_text(const backlash::OrbitDiagram& diagram, const std::string& format, const std::string& command) {
+std::string orbits_text(const backlash::OrbitDiagram& diagram, const io::Metadata& contact, const std::string& format,
+                        const std::string& command) {
   // One row: branch, orbit or bifurcation.
   struct Row {
     std::size_t branch;
@@ -94,7 +104,7 @@ std::string orbits_text(const backlash::OrbitDiagram& diagram, const std::string
         rows.push_back({i, backlash::to_string(next->kind), &next->orbit});
     }
   }
-  return text_of({scene_of(diagram),
+  return text_of({scene_of(diagram, contact),
                   {{"branch", "kind", parameter_column(diagram.parameter), "re_m_per_n", "im_m_per_n", "period",
                     "impacts_per_period", "symmetry", "stability", "re_multiplier1", "im_multiplier1", "re_multiplier2",
                     "im_multiplier2"},
@@ -106,9 +116,10 @@ std::string orbits_text(const backlash::OrbitDiagram& diagram, const std::string
                  format, command);
 }
 
-std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string& command) {
+std::string orbits_json(const backlash::OrbitDiagram& diagram, const io::Metadata& contact,
+                        const std::string& command) {
   Json json = origin(command);
-  for (const auto& [key, value] : scene_of(diagram)) {
+  for (const auto& [key, value] : scene_of(diagram, contact)) {
     const auto parsed = io::parse_number(value);
     json["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }

@@ -481,6 +481,10 @@ def orbits(
     longest_period: int = 4,
     most_impacts: int = 16,
     basins_at: Any = (),
+    contact_stiffness: float | None = None,
+    contact_damping: float | None = None,
+    friction1: float | None = None,
+    friction2: float | None = None,
     threads: int = 0,
     progress: Any = None,
 ) -> list[OrbitBranch]:
@@ -490,12 +494,15 @@ def orbits(
     ----------
     start, stop : float
         Range of the parameter.
-    parameter : {"omega", "force", "clearance", "restitution"}
-        What changes; the others are held.
+    parameter : {"omega", "force", "clearance", "restitution", "contact-frequency"}
+        What changes; the others are held.  "restitution" is of contacts that take no time; "contact-frequency", rad/s, of the
+        others, at the damping ratio of `contact_stiffness` and `contact_damping`.
     longest_period, most_impacts : int
         Force periods and impacts of the longest orbits kept.
     basins_at : float or array_like
         Values within the range at which every orbit is followed that `basins` finds from its usual starts.
+    contact_stiffness, contact_damping, friction1, friction2 : float, optional
+        In place of a restitution: contacts that take time, N/m and N s/m, see `contact_of_frequency`, and dry friction, N.
 
     Examples
     --------
@@ -504,12 +511,14 @@ def orbits(
     >>> branch.symmetric, branch.impacts, bool(branch.stable.all())
     (True, 2, True)
     """
-    one_of(parameter, "parameter", ("omega", "force", "clearance", "restitution"))
+    one_of(parameter, "parameter", ("omega", "force", "clearance", "restitution", "contact-frequency"))
+    given = (contact_stiffness, contact_damping, friction1, friction2)
+    is_hard = parameter == "restitution" and all(each is None for each in given)
+    contact = None if is_hard else contacts_of(restitution, *given)
     if not number(start, "start") < number(stop, "stop"):
         raise ValueError(f"start is {start:g}; it must be less than stop, {stop:g}")
-    for name, value in (("omega", omega), ("restitution", restitution)):
-        if value is None and parameter != name:
-            raise ValueError(f"{name} has no value; it is needed where {parameter} changes")
+    if omega is None and parameter != "omega":
+        raise ValueError(f"omega has no value; it is needed where {parameter} changes")
     looked_at = real_array(np.atleast_1d(np.asarray(basins_at, dtype=float) if np.size(basins_at) == 0 else basins_at), "basins_at")
     for value in looked_at:
         if not start <= value <= stop:
@@ -529,6 +538,7 @@ def orbits(
         count(most_impacts, "most_impacts"),
         looked_at,
         count(threads, "threads"),
+        contact,
         reporter(progress, "orbits"),
     )
     return [OrbitBranch(each) for each in found]

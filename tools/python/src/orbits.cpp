@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <optional>
 #include <string>
 
 #include "arrays.hpp"
+#include "backlash/compliant/compliant_orbits.hpp"
 #include "backlash/orbit_continuation.hpp"
 #include "parts.hpp"
 #include "run.hpp"
@@ -38,16 +41,23 @@ py::dict branch_of(const backlash::OrbitBranch& branch) {
   return result;
 }
 
+// contact: stiffness, damping, and the friction of both masses, in place of the restitution.
 py::list branches(double mass1, double mass2, double clearance, double restitution, double force, double omega,
                   const std::string& parameter, double from, double to, const std::string& body, int longest_period,
-                  int most_impacts, const Reals& basins_at, int threads, const py::object& report) {
-  const backlash::TwoMassSystem system(mass1, mass2, clearance, restitution);
+                  int most_impacts, const Reals& basins_at, int threads,
+                  const std::optional<std::array<double, 4>>& contact, const py::object& report) {
   const auto chosen = backlash::orbit_parameter_from_string(parameter);
   const backlash::OrbitContinuationOptions options{backlash::output_from_string(body), longest_period, most_impacts,
                                                    threads, vector_of(basins_at)};
   const auto diagram = result_of(
       [&](frac::Progress& progress) {
-        return backlash::orbit_diagram(system, force, omega, chosen, from, to, options, &progress);
+        if (!contact)
+          return backlash::orbit_diagram({mass1, mass2, clearance, restitution}, force, omega, chosen, from, to,
+                                         options, &progress);
+        const auto [stiffness, damping, friction1, friction2] = *contact;
+        const backlash::CompliantBodies bodies(backlash::free_mass(mass1), backlash::free_mass(mass2), clearance,
+                                               backlash::CompliantContact(stiffness, damping), {friction1, friction2});
+        return backlash::orbit_diagram(bodies, force, omega, chosen, from, to, options, &progress);
       },
       report);
   py::list list;
