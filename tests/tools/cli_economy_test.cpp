@@ -116,6 +116,21 @@ TEST_F(EconomyOutput, FitsOfComputedDataSpeakOfNoChance) {
   expect_no_word_of_chance(joint.output);
 }
 
+// From 5 to 19 rad/s the motion is long or chaotic, and residuals of K s^a leave neither of its parameters an interval
+// within half its value, which would be a fault of a measurement.
+TEST_F(EconomyOutput, NoParameterOfComputedDataIsCalledUnidentified) {
+  const std::string file = folder.path("between.csv");
+  ASSERT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega",
+                         "5:19:80", "--out", file})
+                .code,
+            0);
+  const auto result = run_fracfit({"fit", file, "--component", "imaginary", "--model", "power-law"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  for (const Json& each : json["parameters"]) EXPECT_EQ(each["identified"], false);
+  EXPECT_EQ(result.error.find("identified"), std::string::npos) << result.error;
+}
+
 TEST_F(EconomyOutput, FitsKnowDataWithoutNoiseByTheirResidualsToo) {
   const auto output = [&](double noise) {
     return run_fracfit({"fit", folder.write("data.csv", rows_of(noise, false)), "--model", "K1 s + K2 s^2", "--format",

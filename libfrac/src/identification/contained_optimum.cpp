@@ -14,13 +14,10 @@
 
 #include "formula/canonical_form.hpp"
 #include "frac/identification/constraints.hpp"
-#include "frac/identification/outliers.hpp"
 #include "identification/data/fit_data.hpp"
-#include "identification/data/residual_rule.hpp"
 #include "identification/recognised_preset.hpp"
 #include "identification/residuals/parameter_map.hpp"
 #include "identification/search/global_search.hpp"
-#include "identification/search/thinned.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {
@@ -136,28 +133,6 @@ std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const 
   return result;
 }
 
-/// Very many points in short: means over some thousand bins, or where residuals have no means some thousand points.
-struct InShort {
-  FrequencyResponseData data;
-  bool tells_costs;  // whether costs differ by what those of all points differ by, in the unit of FitResult
-};
-
-/// @param options  take the weights that go with the data in short
-std::optional<InShort> in_short(const FrequencyResponseData& data, FitOptions& options) {
-  // Mean squares of so many residuals are known to some 3 %, and to three times that where outliers are among them.
-  constexpr std::size_t enough = 4000;
-  const std::size_t every = data.size() / enough;
-  if (every < 2) return std::nullopt;
-  const ResidualRule rule = residual_rule(data, options);
-  const std::optional<Thinned> means = binned(data, rule, enough);
-  if (!means) return InShort{chosen_points(data, [&](std::size_t i) { return i % every == 0; }), false};
-  std::vector<double> sigma;
-  for (const double weight : means->rule.weight) sigma.push_back(1 / (weight * rule.unit));
-  options.weight = Weight::given;
-  options.noise_floor.reset();
-  return InShort{{means->data.omega(), means->data.value(), std::move(sigma)}, true};
-}
-
 /// @param solve  fits a structure under options with start values
 template <class Options, class Solve>
 std::optional<FitResult> from_contained(const FitResult& rich, const FitResult& simple, const Options& options,
@@ -208,42 +183,9 @@ FitResult no_worse_than(const Data& data, const FitResult& optimum, double clear
                         FitResult fit) {
   fit.seconds += optimum.seconds;
   if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
-  return lower_of(fit, fit_from_contained(data, fit, optimum, options));
-}
-
-/// The fit, or where the optimum of a contained structure is lower the fit from there.
-/// @param clearly     share of the cost that it has to be lower by
-/// @param optimum_of  searches that optimum with given options
-template <class Search>
-FitResult no_worse_than(const FrequencyResponseData& data, const FitOptions& options, const Structure& contained,
-                        const FitOptions& of_contained, double clearly, const Search& optimum_of, FitResult fit) {
-  FitOptions own = options;
-  const std::optional<InShort> some = in_short(data, own);
-  if (!some) return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
-  FitOptions own_of_contained = own;
-  own_of_contained.constraints = of_contained.constraints;
-  const FitResult best = unprofiled_fit(some->data, contained, own_of_contained);
-  if (!best.usable()) return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
-  double cost = 0;
-  for (const double each : weighted_residuals(some->data, own, fit)) cost += each * each;
-  // Of chosen points the contained structure leaves at its best no more than it leaves of them anywhere.
-  constexpr double surely = 1.5;
-  if (!(best.cost < (some->tells_costs ? cost - clearly * fit.cost : surely * cost))) return fit;
-  if (!some->tells_costs) {
-    const FitResult optimum = refit(data, contained, started_at(of_contained, best));
-    return no_worse_than(data, optimum, clearly, options, std::move(fit));
-  }
-  const auto from = from_contained(fit, best, own, [&](const Structure& structure, const FitOptions& warm) {
-    return unprofiled_fit(some->data, structure, warm);
-  });
-  if (!from || !(from->cost < cost)) return fit;
-  return lower_of(fit, frac::fit(data, Structure(fit.model), started_at(options, *from)));
-}
-/// Simulations of records grow with their length alone; they are all compared.
-template <class Search>
-FitResult no_worse_than(const TimeResponseData& data, const TimeFitOptions& options, const Structure&,
-                        const TimeFitOptions& of_contained, double clearly, const Search& optimum_of, FitResult fit) {
-  return no_worse_than(data, optimum_of(of_contained), clearly, options, std::move(fit));
+  return lower_of(fit, from_contained(fit, optimum, options, [&](const Structure& structure, const auto& warm) {
+                    return unprofiled_fit(data, structure, warm);
+                  }));
 }
 
 /// The terms of the outermost sum, each with its sign and in parentheses.
@@ -345,10 +287,9 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
   // All structures compared have the same weights.
   if constexpr (is_response<Data>) options = settled(asked, fit);
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
-  const auto compare = [&](const Structure& contained, const OptionsOf<Data>& of_contained, double clearly,
-                           const auto& optimum_of) {
+  const auto compare = [&](const auto& optimum, double clearly) {
     try {
-      fit = no_worse_than(data, options, contained, of_contained, clearly, optimum_of, fit);
+      fit = no_worse_than(data, optimum(), clearly, options, fit);
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.
     }
@@ -356,16 +297,14 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
   for (const auto& [preset, where] : contained_presets(structure, limits)) {
     OptionsOf<Data> of_contained = options;
     of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
-    const Structure contained(preset->formula);
-    compare(contained, of_contained, rounding,
-            [&](const OptionsOf<Data>& own) { return frac::fit(data, contained, own); });
+    compare([&] { return unprofiled_fit(data, Structure(preset->formula), of_contained); }, rounding);
   }
   for (const Structure& contained : without_a_term(structure)) {
     OptionsOf<Data> of_contained = options;
     of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
     // A term that the fitted part is blind to changes the cost by no more than where solvers end.
     constexpr double solved = 1e-6;
-    compare(contained, of_contained, solved, [&](const OptionsOf<Data>& own) { return refit(data, contained, own); });
+    compare([&] { return refit(data, contained, of_contained); }, solved);
   }
   return fit;
 }

@@ -30,8 +30,8 @@ template <class Data>
                                                           const FitResult& simple, const OptionsOf<Data>& options);
 
 /// A searched fit that is no worse than any preset the structure contains, nor than the structure without one of the
-/// terms of its outermost sum: where one is better, it is where the fit starts anew.  Fits with a robust loss stay as
-/// they are.
+/// terms of its outermost sum: where one is better, it is where the fit starts anew, with intervals from the curvature.
+/// Fits with a robust loss stay as they are.
 template <class Data>
 [[nodiscard]] FitResult no_worse_than_contained(const Data& data, const Structure& structure,
                                                 const OptionsOf<Data>& options, FitResult fit);

@@ -101,6 +101,8 @@ struct Extent {
   double hopeless = everything;
   detail::Profiled profiled = detail::Profiled::all;
   double settled = detail::LocalOptions{}.cost_tolerance;  // see frequency_search()
+  /// Where given, very many points are fitted no worse than by structures contained under these options.
+  const FitOptions* compared = nullptr;
 };
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
@@ -113,8 +115,7 @@ void follow_cost(FitResult& result, detail::FrequencyProblem& problem, const det
                  const detail::Confidence& found, detail::Profiled profiled) {
   if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
   // A profile takes some hundred solves, of more points some minutes.
-  constexpr std::size_t most_points = 20'000;
-  if (problem.data.size() > most_points) return;
+  if (problem.data.size() > detail::many_points) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const bool is_order = problem.structure.parameter_roles()[i] == ParameterRole::order;
     if (profiled == detail::Profiled::orders && !is_order) continue;
@@ -166,12 +167,11 @@ void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& proble
 /// all.
 detail::LocalOptions robust_search_of_many(detail::FrequencyProblem& problem, std::optional<double> scale,
                                            detail::LocalSolution& solution) {
-  constexpr std::size_t searched = 20'000;
   const FitOptions& options = problem.options;
-  if (problem.data.size() <= 2 * searched) {
+  if (problem.data.size() <= 2 * detail::many_points) {
     return robust_search(problem.residuals(), options.loss, scale, options.seed, solution);
   }
-  const detail::Thinned points = detail::thinned(problem.data, problem.rule, searched);
+  const detail::Thinned points = detail::thinned(problem.data, problem.rule, detail::many_points);
   detail::FrequencyResiduals some(points.data, problem.structure, options.realisation, problem.map, points.rule);
   some.set_priors(problem.priors, detail::expected_noise);
   static_cast<void>(robust_search(some, options.loss, scale, options.seed, solution));
@@ -198,24 +198,15 @@ class ComponentFit {
   [[nodiscard]] FitResult found() {
     const bool by_errors =
         !problem_.priors.empty() || (extent_.recover && problem_.options.component != Component::both);
-    if (solution_.starts_at_best == 0 || by_errors) return described();
-    FitResult result = describe_search(problem_.structure, problem_.residuals(), solution_);
-    const std::vector<double> values = problem_.map.to_user(solution_.best.theta);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      ParameterEstimate estimate{};
-      estimate.name = problem_.structure.parameter_names()[i];
-      estimate.value = values[i];
-      estimate.fixed = problem_.map.is_fixed(i);
-      result.parameters.push_back(std::move(estimate));
-    }
-    result.termination = solution_.best.converged ? FitTermination::converged : FitTermination::not_converged;
-    result.seconds = seconds_;
-    return result;
+    return solution_.starts_at_best == 0 || by_errors ? described() : estimates();
   }
 
   /// The whole result.
   [[nodiscard]] FitResult described() {
-    if (!described_) described_ = describe();
+    if (!described_) {
+      if (extent_.compared && problem_.data.size() > detail::many_points) compare_with_contained(*extent_.compared);
+      described_ = describe();
+    }
     return *described_;
   }
 
@@ -233,6 +224,49 @@ class ComponentFit {
         structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
     if (least_free > most_residuals) refuse_count(most_residuals, least_free);
     return detail::FrequencyProblem(data, structure, options);
+  }
+
+  /// Parameters that the search has found, without errors.
+  [[nodiscard]] FitResult estimates() {
+    FitResult result = describe_search(problem_.structure, problem_.residuals(), solution_);
+    const std::vector<double> values = problem_.map.to_user(solution_.best.theta);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ParameterEstimate estimate{};
+      estimate.name = problem_.structure.parameter_names()[i];
+      estimate.value = values[i];
+      estimate.fixed = problem_.map.is_fixed(i);
+      result.parameters.push_back(std::move(estimate));
+    }
+    result.termination = solution_.best.converged ? FitTermination::converged : FitTermination::not_converged;
+    result.seconds = seconds_;
+    return result;
+  }
+
+  /// Starts also from optima of contained structures that are lower on means of the points or, where residuals have no
+  /// means, on some of them.
+  void compare_with_contained(FitOptions options) {
+    if (solution_.starts_at_best == 0 || options.loss != Loss::none) return;
+    constexpr std::size_t enough = 4000;
+    const FrequencyResponseData& data = problem_.data;
+    const detail::ResidualRule& rule = problem_.rule;
+    std::optional<FrequencyResponseData> few;
+    options.noise_floor = problem_.options.noise_floor;
+    if (const auto means = binned(data, rule, enough)) {
+      std::vector<double> sigma;
+      for (const double weight : means->rule.weight) sigma.push_back(1 / (weight * rule.unit));
+      few.emplace(means->data.omega(), means->data.value(), std::move(sigma));
+      options.weight = Weight::given;
+    } else {
+      few = detail::chosen_points(data, [&](std::size_t i) { return i % (data.size() / enough) == 0; });
+    }
+    const Structure& structure = problem_.structure;
+    const FitResult here = detail::refit(*few, structure, detail::started_at(options, estimates()));
+    const FitResult lower = detail::no_worse_than_contained(*few, structure, options, here);
+    if (!(lower.cost < here.cost)) return;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < problem_.map.parameter_count(); ++i) values.push_back(lower.parameters[i].value);
+    solve_also_from(problem_.map.to_theta(values), problem_, solution_);
+    order_parts();
   }
 
   /// Ends the search at the optimum of all points, with parts in order and under the loss.
@@ -318,6 +352,14 @@ class ComponentFit {
   std::optional<FitResult> described_;
 };
 
+/// Says of a fit from the end of a search how that search ended.
+void count_search_of(const FitResult& search, FitResult& result) {
+  result.starts = search.starts;
+  result.starts_at_best = search.starts_at_best;
+  result.distinct_minima = search.distinct_minima;
+  result.confidence_of_optimum = search.confidence_of_optimum;
+}
+
 /// ComponentFit, with a floor told by the residuals of the fit before where one is wanted.
 FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                          Extent extent) {
@@ -359,10 +401,7 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
     return relative.described();
   }
   last.noise_floor = floor;
-  last.starts = result.starts;
-  last.starts_at_best = result.starts_at_best;
-  last.distinct_minima = result.distinct_minima;
-  last.confidence_of_optimum = result.confidence_of_optimum;
+  if (last.starts == 1) count_search_of(result, last);
   last.seconds += result.seconds;
   char text[200];
   std::snprintf(text, sizeof text,
@@ -405,6 +444,21 @@ FitResult stable_fit(const FrequencyResponseData& data, const Structure& structu
   return result;
 }
 
+/// fit_with_floor() that is no worse than structures contained in this one, where it is searched for.
+FitResult best_fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                   bool profiles) {
+  Extent extent{true, profiles};
+  if (options.global_start) extent.compared = &options;
+  FitResult result = fit_with_floor(data, structure, options, extent);
+  if (!options.global_start || data.size() > detail::many_points) return result;
+  const FitResult lower = detail::no_worse_than_contained(data, structure, options, result);
+  if (!(lower.cost < result.cost)) return result;
+  result = fit_with_floor(data, structure, detail::started_at(options, lower), extent);
+  count_search_of(lower, result);
+  result.seconds += lower.seconds;
+  return result;
+}
+
 /// The search, and where it ends at an unstable model another one among stable ones, which is taken unless the data
 /// speak against it.
 FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
@@ -412,8 +466,7 @@ FitResult fit_as_assumed(const FrequencyResponseData& data, const Structure& str
   const std::optional<bool>& stable = options.assumptions.stable;
   FitOptions any = options;
   any.assumptions.stable = false;
-  FitResult free = fit_with_floor(data, structure, any, {true, profiles});
-  if (options.global_start) free = detail::no_worse_than_contained(data, structure, any, std::move(free));
+  FitResult free = best_fit(data, structure, any, profiles);
   if (stable == false || !detail::is_unstable(free).value_or(false)) return free;
   // The member of a family stands where it has been chosen.
   if (!options.global_start && !stable) return free;

@@ -152,7 +152,7 @@ class Fit : public Command {
     // As few values as parameters determine none of them unless they are met.
     if (result.termination == frac::FitTermination::converged &&
         (some_identified || result.residuals > result.free_parameters)) {
-      if (!some_identified) say("none of the parameters is identified");
+      if (!some_identified && !result.without_noise) say("none of the parameters is identified");
       return usable_result;
     }
     say("no usable result: " + result.message);

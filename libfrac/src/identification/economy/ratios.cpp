@@ -321,6 +321,16 @@ class Ratios {
     }
   }
 
+  /// A ratio that meets the data to rounding ends the curve: no longer one is looked for.
+  void end_at_exact(const std::vector<Ratio>& list, std::size_t poles) {
+    const auto is_exact = [&](const RationalFit& fit) { return economy_error(given_, fit.cost) <= economy_rounding; };
+    for (const Ratio& ratio : list) {
+      const std::size_t count = poles + ratio.numerator.seen;
+      if (count >= most_ || ratio.found.empty() || !is_exact(ratio.found.front())) continue;
+      if (is_exact(full_.refine(ratio.found.front().shape, to_the_end))) most_ = count;
+    }
+  }
+
   /// Upwards in the number of poles, and once down and up again: what suits a larger ratio may have escaped the smaller
   /// one.
   void search() {
@@ -341,6 +351,7 @@ class Ratios {
         }
       }
       refine(list, tried_again);
+      end_at_exact(list, poles);
     }
     for (std::size_t poles = most_; poles-- > 0;) {
       add_from_more(poles, exchanged, by_poles_[poles]);
@@ -354,7 +365,7 @@ class Ratios {
 
   const EconomyProblem& given_;
   bool free_order_;
-  std::size_t most_;
+  std::size_t most_;  // parameters, the order apart
   RationalProblem full_, scout_;
   std::vector<std::vector<Ratio>> by_poles_;
 };

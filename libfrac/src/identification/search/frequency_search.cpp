@@ -85,8 +85,8 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
       blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options), std::nullopt};
   if (result.starts_at_best == 0) return result;
   // The way along a valley is gone on means of very many points.
-  constexpr std::size_t bins = 10'000;
-  if (problem.data.size() > 2 * bins) {
+  constexpr std::size_t bins = many_points / 2;
+  if (problem.data.size() > many_points) {
     result.means = binned(problem.data, problem.rule, bins);
     if (result.means) {
       result.best = local_solve(FewResiduals(problem, *result.means).residuals, result.best.theta, options);
@@ -101,12 +101,23 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
   return result;
 }
 
+void solve_also_from(const std::vector<double>& theta, FrequencyProblem& problem, FrequencySolution& solution) {
+  LocalSolution other = solution.means ? local_solve(FewResiduals(problem, *solution.means).residuals, theta, {})
+                                       : local_solve(problem.residuals(), theta, {});
+  ++solution.starts;
+  if (!(other.cost < solution.best.cost)) return;
+  solution.best = std::move(other);
+  solution.starts_at_best = 1;
+  solution.confidence = confidence_of_optimum(solution.starts, ++solution.minima);
+}
+
 void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution& solution) {
   LocalOptions options;
   // A step that gains this share of the variance of a residual moves no estimate by more than a thousandth of its
   // standard error; sums of so many squares are known no better than some 1e-14.
   constexpr double gain = 1e-6;
   options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
+  options.iterations = 1000;  // along a valley, which means follow at little cost
   Thinned means = *std::exchange(solution.means, std::nullopt);
   const Residuals& all = problem.residuals();
   LocalSolution& best = solution.best;
@@ -118,7 +129,7 @@ void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution&
     if (!moved) break;
     means = std::move(*moved);
     best.cost = best.objective = at_best->residuals().squaredNorm() + all.prior_cost(best.theta);
-    const LocalSolution end = local_solve(FewResiduals(problem, means).residuals, best.theta, {});
+    const LocalSolution end = local_solve(FewResiduals(problem, means).residuals, best.theta, options);
     const double before = best.cost, after = all.cost(end.theta);
     if (after < before) best = {end.theta, after, after, true};
     if (end.converged && std::abs(after - before) <= options.cost_tolerance * before) return;

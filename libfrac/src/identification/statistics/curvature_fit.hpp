@@ -18,6 +18,10 @@ namespace frac::detail {
 /// fit() in every respect but its intervals, which are from the curvature alone.
 [[nodiscard]] FitResult unprofiled_fit(const FrequencyResponseData& data, const Structure& structure,
                                        const FitOptions& options);
+[[nodiscard]] inline FitResult unprofiled_fit(const TimeResponseData& data, const Structure& structure,
+                                              const TimeFitOptions& options) {
+  return fit(data, structure, options);
+}
 
 /// Relative change of the cost at which a refit ends: residuals to a part in 1e4 of their size.
 inline constexpr double settled_refit = 1e-8;
