@@ -338,6 +338,9 @@ TEST(OrbitDiagram, BifurcationsHaveTheMultiplierThatDefinesThem) {
             break;
           case Bifurcation::grazing:
             break;
+          case Bifurcation::sticking:
+            ADD_FAILURE() << "without dry friction, at " << point.orbit.omega;
+            break;
         }
       }
     }

@@ -95,9 +95,6 @@ TEST(DefaultComponent, IsOneInAllFrontEnds) {
 // these data every parameter is met: five standard errors are exceeded once in two million.
 TEST(DefaultComponent, GivesTheArcsOfAnImpedanceFiniteIntervals) {
   const std::string cell = FRACFIT_SOURCE_DIR "/data/examples/cell.csv";
-  const Json one = successful({"fit", cell, "--model", "zarc"});
-  for (const auto& each : one["parameters"])
-    EXPECT_TRUE(each["ci95"][0].is_number() && each["ci95"][1].is_number()) << each;
   const Json two = successful({"fit", cell, "--model", "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)"});
   const std::pair<const char*, double> truth[] = {{"R0", 0.02}, {"R1", 0.03}, {"Q1", 0.05}, {"n1", 0.85},
                                                   {"R2", 0.06}, {"Q2", 4},    {"n2", 0.75}};
@@ -105,6 +102,7 @@ TEST(DefaultComponent, GivesTheArcsOfAnImpedanceFiniteIntervals) {
     for (const auto& each : two["parameters"]) {
       if (each["name"] != name) continue;
       EXPECT_NEAR(each["value"].get<double>(), value, 5 * each["standard_error"].get<double>()) << name;
+      EXPECT_TRUE(each["ci95"][0].is_number() && each["ci95"][1].is_number()) << each;
     }
     static_cast<void>(value_of(two["parameters"], name));
   }
