@@ -66,6 +66,7 @@ ELSEWHERE = {
     "loop": {**PAIR, "setpoint-file": "setpoint, which may be arrays"},
     "map": {**PAIR, **QUANTITY},
     "multisine": {"name": "a name for the exported C text"},
+    "orbits": PAIR,
     "realise": {"model": "Model", "form": "the modal one; scipy.signal has others"},
     "respond": {"model": "Model", "feedback": "Model.feedback", "omega": "Model.sine"},
     "simulate": {**PAIR, **QUANTITY, "motion": "static_describing_function", "diagnostics": "attributes of the curve"},

@@ -722,7 +722,7 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "--contact-stiffness has no meaning without --clearance");
   expect(refusal({"tune", "--clearance", "0.1", "--crossover", "1"}),
          "--restitution is missing, or --contact-stiffness or --contact-frequency instead");
-  expect(refusal({"report", "--contact-stiffness", "1"}), "report does not take --contact-stiffness");
+  expect(refusal({"export", "fmu", "--contact-stiffness", "1"}), "export fmu does not take --contact-stiffness");
   expect(refusal({"orbits", "--from", "1", "--to", "2"}), "--restitution is missing, or --contact-stiffness");
   expect(refusal({"orbits", "--parameter", "restitution", "--omega", "2", "--from", "0.1", "--to", "0.9",
                   "--contact-stiffness", "100", "--contact-damping", "1"}),

@@ -50,7 +50,7 @@ TEST(Evaluate, GivesALagAndItsDerivativesInClosedForm) {
 TEST(Evaluate, BandOfAGainIsItsInterval) {
   const TemporaryFolder folder;
   std::string data = "omega_rad_s,re,im\n";
-  for (int i = 1; i <= 12; ++i) data += std::to_string(i) + "," + std::to_string(2 + 0.1 * std::sin(7 * i)) + ",0\n";
+  for (int i = 1; i <= 12; ++i) data += std::to_string(i) + "," + std::to_string(2 + 0.02 * std::sin(7 * i)) + ",0\n";
   const auto fit = folder.path("fit.json");
   ASSERT_EQ(run_fracfit({"fit", folder.write("data.csv", data), "--model", "gain", "--component", "real", "--weight",
                          "absolute", "--out", fit})

@@ -95,7 +95,7 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
             (takes("--contact-stiffness") ? "its bodies have no dry friction"
                                           : "its contacts have a restitution and take no time, and its bodies no dry "
                                             "friction") +
-            "; simulate, map, history, orbits, loop and limit-cycles take it",
+            "; simulate, map, history, orbits, basins, loop, limit-cycles and tune take it",
         command.name());
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }
