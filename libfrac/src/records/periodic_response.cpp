@@ -183,8 +183,10 @@ Estimated periodic_response(const Record& record, double length) {
         point.flag = "the input is no stronger than its noise";
     }
     // Where the excitation itself goes so far, nothing tells what its converter makes beyond.
-    if (excited.back() + 2 < lines.size() && reaches_half_of_sampling(reader, found, output, points.back(), 1))
-      estimated.remarks.push_back(std::string("an output ") + folds_back);
+    if (excited.back() + 2 < lines.size() && reaches_half_of_sampling(reader, found, output, points.back(), 1)) {
+      std::string remark = "an output ";
+      estimated.remarks.push_back(remark += folds_back);
+    }
     std::vector<Detection> even, other;
     std::size_t above = 0;
     for (std::size_t k = excited.front(); k < excited.back(); ++k) {

@@ -206,7 +206,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
       slow_basis_.row(place) = Eigen::RowVectorXd::Unit(slow, i);
       to_slow_.row(i) = Eigen::RowVectorXd::Unit(size, place) - columns.row(place) * rows;
     }
-    slow_ = flight.matrix(leading, leading) + flight.matrix(leading, led) * graph;
+    slow_ = Matrix(flight.matrix(leading, leading)) + Matrix(flight.matrix(leading, led)) * graph;
   }
   const Eigen::VectorXcd& values = modes.all.values;
   std::vector<Index> place(static_cast<std::size_t>(size), -1);
