@@ -2,7 +2,6 @@
 #include "correlated_noise.hpp"
 
 #include <algorithm>
-#include <boost/math/interpolators/cardinal_cubic_b_spline.hpp>
 #include <cmath>
 
 #include "base/linear_algebra.hpp"
@@ -94,7 +93,7 @@ void CorrelatedNoise::add_first_order(std::span<const double> residual, const Ei
 void CorrelatedNoise::add_smooth(double white_variance) {
   constexpr int lengths = 5;
   // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error. The
-  // likelihood is a sum of functions of it that change over 1, which a spline follows.
+  // likelihood is a sum of functions of it that change over 1, which parabolas through three neighbours follow.
   constexpr int least = -7, most = 14, refined = 8;
   const double ratio = std::log(smooth_->longest() / smooth_->shortest()) / (lengths - 1);
   for (int i = 0; i < lengths; ++i) {
@@ -108,18 +107,21 @@ void CorrelatedNoise::add_smooth(double white_variance) {
     }
     // Residuals that lie among the columns to rounding tell nothing.
     if (!std::all_of(logarithms.begin(), logarithms.end(), [](double each) { return std::isfinite(each); })) return;
-    using Spline = boost::math::interpolators::cardinal_cubic_b_spline<double>;
-    const Spline logarithm(logarithms.begin(), logarithms.end(), least, 1.0);
-    const Spline variance(variances.begin(), variances.end(), least, 1.0);
     const double highest = *std::max_element(logarithms.begin(), logarithms.end());
     double mass = 0, whole = 0, smooth = 0;
     const int places = (most - least) * refined;
     for (int k = 0; k < places; ++k) {
-      const double logit = least + (k + 0.5) / refined;
-      const double each = std::exp(logarithm(logit) - highest), weighed = each * std::exp(variance(logit));
+      const double at = (k + 0.5) / refined;
+      const int node = std::clamp(static_cast<int>(std::lround(at)), 1, most - least - 1);
+      const auto between = [&](const std::vector<double>& values) {
+        const double* const v = &values[static_cast<std::size_t>(node)];
+        const double x = at - node;
+        return v[0] + x * ((v[1] - v[-1]) + x * (v[1] - 2 * v[0] + v[-1])) / 2;
+      };
+      const double each = std::exp(between(logarithms) - highest), weighed = each * std::exp(between(variances));
       mass += each;
       whole += weighed;
-      smooth += weighed * share_of(logit);
+      smooth += weighed * share_of(least + at);
     }
     possibilities_.push_back({highest + std::log(mass / (places * lengths)), whole / mass, 0, smooth / whole, length});
   }
