@@ -246,18 +246,17 @@ class ComponentFit {
   /// means, on some of them.
   void compare_with_contained(FitOptions options) {
     if (solution_.starts_at_best == 0 || options.loss != Loss::none) return;
-    constexpr std::size_t enough = 4000;
     const FrequencyResponseData& data = problem_.data;
     const detail::ResidualRule& rule = problem_.rule;
     std::optional<FrequencyResponseData> few;
     options.noise_floor = problem_.options.noise_floor;
-    if (const auto means = binned(data, rule, enough)) {
+    if (const auto means = binned(data, rule, detail::means_of_many)) {
       std::vector<double> sigma;
       for (const double weight : means->rule.weight) sigma.push_back(1 / (weight * rule.unit));
       few.emplace(means->data.omega(), means->data.value(), std::move(sigma));
       options.weight = Weight::given;
     } else {
-      few = detail::chosen_points(data, [&](std::size_t i) { return i % (data.size() / enough) == 0; });
+      few = detail::chosen_points(data, [&](std::size_t i) { return i % (data.size() / detail::means_of_many) == 0; });
     }
     const Structure& structure = problem_.structure;
     const FitResult here = detail::refit(*few, structure, detail::started_at(options, estimates()));

@@ -276,14 +276,18 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   all << fitted, added;
   // Columns of equal length: their rank is then seen whatever their units.
   all.colwise().normalize();
-  const auto least_squares = [](const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
-    const detail::PivotedQr qr(columns);
-    const Eigen::VectorXd rest = values - columns * qr.solve(values);
-    return std::pair{rest, static_cast<double>(qr.rank())};
+  const auto rest_beyond = [](const Eigen::MatrixXd& basis, Eigen::MatrixXd values) -> Eigen::VectorXd {
+    detail::remove_span(basis, values);
+    return values;
   };
-  const Eigen::VectorXd last = least_squares(all, residual).first;
+  const auto least_squares = [&](const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
+    const Eigen::MatrixXd basis = detail::PivotedQr(columns).basis();
+    return std::pair{rest_beyond(basis, values), static_cast<double>(basis.cols())};
+  };
+  const Eigen::MatrixXd basis = detail::PivotedQr(all).basis();
+  const Eigen::VectorXd last = rest_beyond(basis, residual);
   const double correlation =
-      detail::CorrelatedNoise({last.data(), static_cast<std::size_t>(last.size())}, all, {1}).correlation();
+      detail::CorrelatedNoise({last.data(), static_cast<std::size_t>(last.size())}, basis, {1}).correlation();
   const auto freed = [&](const Eigen::MatrixXd& values) -> Eigen::MatrixXd {
     Eigen::MatrixXd result = values;
     result.bottomRows(values.rows() - 1) -= correlation * values.topRows(values.rows() - 1);

@@ -234,10 +234,11 @@ class JointErrors {
     const Eigen::VectorXd scale = fitted.colwise().norm().transpose();
     for (Eigen::Index k = 0; k < fitted.cols(); ++k)
       if (scale[k] > 0) fitted.col(k) /= scale[k];
+    const Eigen::MatrixXd basis = PivotedQr(fitted).basis();
     Eigen::MatrixXd alone = pulls_.residual[c].head(count);
-    remove_span(PivotedQr(fitted).basis(), alone);
+    remove_span(basis, alone);
     const Eigen::VectorXd left = alone.col(0);
-    curve.noise = {std::span(left.data(), curves_[c].count()), fitted, curves_[c].axis(point_.shared, point_.own[c])};
+    curve.noise = {std::span(left.data(), curves_[c].count()), basis, curves_[c].axis(point_.shared, point_.own[c])};
     result_.noise_correlation += curve.noise.correlation() / static_cast<double>(curves_.size());
   }
 

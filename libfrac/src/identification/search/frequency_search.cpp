@@ -85,9 +85,8 @@ FrequencySolution frequency_search(FrequencyProblem& problem, double hopeless, d
       blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options), std::nullopt};
   if (result.starts_at_best == 0) return result;
   // The way along a valley is gone on means of very many points.
-  constexpr std::size_t bins = many_points / 2;
   if (problem.data.size() > many_points) {
-    result.means = binned(problem.data, problem.rule, bins);
+    result.means = binned(problem.data, problem.rule, means_of_many);
     if (result.means) {
       result.best = local_solve(FewResiduals(problem, *result.means).residuals, result.best.theta, options);
       if (!std::isfinite(result.best.cost)) return {};
@@ -118,6 +117,7 @@ void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution&
   constexpr double gain = 1e-6;
   options.cost_tolerance = std::max(settled, gain / static_cast<double>(problem.residuals().count()));
   options.iterations = 1000;  // along a valley, which means follow at little cost
+  options.radius = 1e12;      // so near, damping would make many steps of few along a valley
   Thinned means = *std::exchange(solution.means, std::nullopt);
   const Residuals& all = problem.residuals();
   LocalSolution& best = solution.best;
@@ -134,8 +134,6 @@ void refine_on_all(FrequencyProblem& problem, double settled, FrequencySolution&
     if (after < before) best = {end.theta, after, after, true};
     if (end.converged && std::abs(after - before) <= options.cost_tolerance * before) return;
   }
-  // So near, steps need no damping, which would make many of the last few along a valley.
-  options.radius = 1e12;
   best = local_solve(all, best.theta, options);
   if (!std::isfinite(best.cost)) solution = {};
 }

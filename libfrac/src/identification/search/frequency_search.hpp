@@ -13,6 +13,8 @@ namespace frac::detail {
 
 /// Beyond so many points a fit is searched for on some of them.
 inline constexpr std::size_t many_points = 20'000;
+/// That many means stand for them until the last few steps.
+inline constexpr std::size_t means_of_many = 2500;
 
 struct FrequencySolution : GlobalSolution {
   /// The means of very many points over bins that it is the optimum of, which is that of all points to a small part of

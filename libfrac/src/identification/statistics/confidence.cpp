@@ -37,15 +37,13 @@ Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom,
 }
 
 /// The noise as its residuals tell it; under a loss they count as much as they pull.
+/// @param basis  of the space of what was fitted
 CorrelatedNoise noise_of(const Residuals& residuals, std::span<const double> theta, std::vector<double> residual,
-                         const Eigen::MatrixXd& fitted, const LocalOptions& options) {
+                         const Eigen::Ref<const Eigen::MatrixXd>& basis, const LocalOptions& options) {
   if (options.loss != Loss::none) {
     for (double& each : residual) each = options.loss_scale * loss_at(options.loss, each / options.loss_scale).psi;
   }
-  const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
-  Eigen::MatrixXd columns(fitted.rows(), fitted.cols() + eliminated.cols());
-  columns << fitted, eliminated;
-  return {residual, columns, residuals.axis(theta)};
+  return {residual, basis, residuals.axis(theta)};
 }
 
 /// Derivatives of the priors by theta, in units of residuals; no rows where there are none.
@@ -150,6 +148,10 @@ struct InnerDirections {
     return columns;
   }
 
+  /// Directions that more than rounding tells; they are the first.
+  [[nodiscard]] std::size_t rank() const {
+    return static_cast<std::size_t>((sigma.array() > unseen_column * sigma[0]).count());
+  }
   /// Whether priors hold a direction: such a one is not flat, however little the residuals tell of it.
   [[nodiscard]] bool is_held(Eigen::Index direction) const { return of_priors[direction] > 0.5; }
 
@@ -165,8 +167,8 @@ struct InnerDirections {
 
 void measure_rank(const InnerDirections& inner, Confidence& result) {
   result.from_priors = inner.of_priors.sum();
+  result.rank += inner.rank();
   for (Eigen::Index k = 0; k < inner.count(); ++k) {
-    if (inner.sigma[k] > unseen_column * inner.sigma[0]) ++result.rank;
     if (!inner.is_held(k)) result.condition = std::pow(inner.sigma[0] * inner.inverse_sigma[k], 2);
   }
 }
@@ -266,10 +268,19 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   const Eigen::MatrixXd spread = inner.scaled(map.jacobian(values)) * inner.vectors * inner.inverse_sigma.asDiagonal();
   set_errors(map, values, inner, spread, result);
 
-  const Eigen::MatrixXd fitted = inner.scaled(at_best->jacobian);
+  // What the residuals change by along each direction: orthonormal but for what priors tell, and what is rounding.
+  const Eigen::MatrixXd along =
+      inner.scaled(at_best->jacobian) * (inner.vectors * inner.inverse_sigma.asDiagonal()).eval();
   at_best->jacobian.resize(0, 0);
-  result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
-  result.influence = fitted * (inner.vectors * inner.inverse_sigma.asDiagonal() * spread.transpose());
+  const auto fitted = along.leftCols(static_cast<Eigen::Index>(inner.rank()));
+  if (priors.rows() == 0 && residuals.eliminated() == 0) {
+    result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
+  } else {
+    Eigen::MatrixXd columns(fitted.rows(), fitted.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
+    columns << fitted, residuals.eliminated_columns();
+    result.noise = noise_of(residuals, solution.theta, residual, PivotedQr(columns).basis(), options);
+  }
+  result.influence = along * spread.transpose();
   for (const std::size_t i : inner.parameter) {
     result.widening[i] = widening_of(i, priors.rows() > 0, result);
     const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));

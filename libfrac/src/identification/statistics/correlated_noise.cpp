@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/linear_algebra.hpp"
 #include "restricted_likelihood.hpp"
 
 namespace frac::detail {
@@ -29,7 +28,7 @@ double variance_under(double r, const Eigen::VectorXd& influence, std::size_t pe
 
 }  // namespace
 
-CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen::MatrixXd& columns,
+CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen::Ref<const Eigen::MatrixXd>& basis,
                                  const ResidualAxis& axis)
     : per_point_(axis.per_point) {
   // Of size 1: those of exact data are as small as the errors by which they are orthogonal to the columns.
@@ -39,7 +38,6 @@ CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen:
   scaled /= size;
   const std::span<const double> residual(scaled.data(), residuals.size());
   const double square = scaled.squaredNorm();
-  const Eigen::MatrixXd basis = PivotedQr(columns).basis();
   const double degrees = static_cast<double>(residual.size()) - static_cast<double>(basis.cols());
   constexpr double fewest_degrees = 4;
   if (!(degrees >= fewest_degrees) || residual.size() < 4 * per_point_) return;
@@ -66,7 +64,7 @@ CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen:
   smooth_error_ = size * std::sqrt(smooth_square);
 }
 
-void CorrelatedNoise::add_first_order(std::span<const double> residual, const Eigen::MatrixXd& basis,
+void CorrelatedNoise::add_first_order(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
                                       double white_variance) {
   const RestrictedLikelihood likelihood(residual, basis, per_point_);
   // In Fisher's z = atanh r the likelihood is about normal, of width 1/sqrt(n) around its maximum.

@@ -68,7 +68,7 @@ void SmoothError::for_each_piece(const Visit& visit) const {
   }
 }
 
-SmoothError::SmoothError(std::span<const double> residual, const Eigen::MatrixXd& basis, const ResidualAxis& axis)
+SmoothError::SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis, const ResidualAxis& axis)
     : axis_(axis),
       block_((axis.position.size() + most_blocks - 1) / most_blocks),
       position_((axis.position.size() + block_ - 1) / block_, 0.0),
