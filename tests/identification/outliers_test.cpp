@@ -241,6 +241,23 @@ TEST(NoiseFloor, IsToldWithoutAModel) {
   EXPECT_LE(seen, 4);
 }
 
+// What a model misses of computed data is no noise, however it changes from point to point: the weight is the relative
+// one, alike in a fit and in a ranking.
+TEST(NoiseFloor, ComputedDataHaveNone) {
+  frac::FitOptions options = support::both_parts();
+  options.weight = frac::Weight::learned;
+  const frac::FrequencyResponseData data = with_additive_noise(3);
+  const frac::Structure poles("K/((1 + T1 s) (1 + T2 s))");
+  const std::vector<frac::NamedModel> models{frac::find_model("lag"), frac::find_model("rational:1..4")};
+  EXPECT_GT(frac::fit(data, poles, options).noise_floor, 0.3);
+  EXPECT_GT(frac::identify(data, models, {}, options).noise_floor, 0.3);
+  options.without_noise = true;
+  EXPECT_EQ(frac::fit(data, poles, options).noise_floor, 0);
+  const auto result = frac::identify(data, models, {}, options);
+  EXPECT_EQ(result.noise_floor, 0);
+  for (const auto& ranked : result.ranking) EXPECT_EQ(ranked.fit.noise_floor, 0) << ranked.model.name;
+}
+
 // Under relative weight the noise in the tail outweighs the response, and no structure follows the data.
 TEST(Identify, LearnsOneFloorForAllCandidates) {
   frac::FitOptions options = support::both_parts();

@@ -252,6 +252,11 @@ TEST(ComponentPowerLaw, FindsTheLawOfTheTwoImpactBand) {
   EXPECT_NEAR(parameter(json, "K") / band_coefficient, 1, 1e-11);
   EXPECT_TRUE(json["stability"].is_null());
   EXPECT_NE(json["law"].get<std::string>().find("Im = K omega^b"), std::string::npos);
+  // K s^b has nothing of the imaginary part of s^2 and names the model that has.
+  auto power = arguments;
+  power[5] = "power-law";
+  const auto message = Json::parse(successful(power).output)["message"].get<std::string>();
+  EXPECT_NE(message.find("whose gain therefore says nothing: component-power-law"), std::string::npos) << message;
   auto table = arguments;
   table.insert(table.end(), {"--format", "table"});
   const auto shown = successful(table).output;

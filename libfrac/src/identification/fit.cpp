@@ -163,6 +163,27 @@ void remark_on_noisy_divisor(FitResult& result, detail::FrequencyProblem& proble
   result.message += text;
 }
 
+/// Says where a fit of one part ends at a model that consists of the other part, which no data hold: K s^a with a near
+/// 2, whose imaginary part is K sin(a pi/2) omega^a.
+std::string remark_on_the_part_unseen(const FitResult& result, const std::vector<double>& omega,
+                                      const FitOptions& options) {
+  const bool real = options.component == Component::real;
+  if (!real && options.component != Component::imaginary) return {};
+  double most = 0;
+  for (const std::complex<double> each : fitted_response(result, options.realisation, omega))
+    most = std::max(most, std::abs(real ? each.real() : each.imag()) / std::abs(each));
+  // Errors of what is seen come back in the gain this many times larger.
+  constexpr double of_the_whole = 1e-3;
+  if (!(most < of_the_whole)) return {};
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      " The %s part is at most %.1g of this model, whose gain therefore says nothing: component-power-law is the "
+      "law of that part alone.",
+      real ? "real" : "imaginary", most);
+  return text;
+}
+
 /// robust_search(), of very many points on some of them: its minima are the same, and only the lowest is refined on
 /// all.
 detail::LocalOptions robust_search_of_many(detail::FrequencyProblem& problem, std::optional<double> scale,
@@ -336,6 +357,7 @@ class ComponentFit {
                           (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
     result.message += detail::remark_on_zeros(data, options);
     if (relative && !result.without_noise) remark_on_noisy_divisor(result, problem_, best.theta);
+    result.message += remark_on_the_part_unseen(result, data.omega(), options);
     result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
     result.seconds = seconds_ + since(begin);
     return result;
@@ -369,6 +391,7 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
     return result;
   }
   ComponentFit relative(data, structure, options, extent);
+  if (options.without_noise) return relative.described();
   FitResult result = relative.found();
   const auto floor_of = [&](const FitResult& of) {
     return of.termination == FitTermination::no_usable_start

@@ -238,7 +238,9 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
 /// @param ratios  takes what has grown with that floor
 double learned_floor(const FrequencyResponseData& data, const FitOptions& options,
                      std::unique_ptr<detail::RatioGrowths>& ratios) {
-  if (options.component == Component::magnitude || options.component == Component::phase) return 0;
+  if (options.without_noise || options.component == Component::magnitude || options.component == Component::phase) {
+    return 0;
+  }
   FitOptions trial = options;
   // Under relative weight a ratio might follow nothing but the noise of what lies below the floor.
   trial.noise_floor = detail::noise_floor(data, options.component);

@@ -94,7 +94,7 @@ struct FitOptions {
   Weight weight = Weight::learned;
   Loss loss = Loss::none;
   /// Floor of weight `learned`, in the unit of the data, >= 0; unset: told by how the residuals change from point to
-  /// point, 0 unless the data speak clearly for one.
+  /// point, 0 unless the data speak clearly for one, or where they are computed.
   std::optional<double> noise_floor;
   /// Weighted residual at which the loss turns from quadratic to robust; unset: from the spread of the residuals.
   std::optional<double> loss_scale;
