@@ -56,6 +56,9 @@ TEST_F(EconomyOutput, OfComputedDataStandsBesideTheVerdict) {
   for (const char* key : {"verdict", "evidence", "log10_odds", "ranking"}) EXPECT_TRUE(json.contains(key)) << key;
   const Json& economy = json["economy"];
   ASSERT_TRUE(economy.is_object());
+  for (const char* key : {"evidence", "log10_odds", "fractional", "integer"}) EXPECT_TRUE(json[key].is_null()) << key;
+  EXPECT_NE(json["verdict_sentence"].get<std::string>().find(economy["sentence"].get<std::string>()), std::string::npos)
+      << json["verdict_sentence"];
   EXPECT_EQ(economy["verdict"], "integer-cheaper");
   EXPECT_EQ(economy["component"], "imaginary");
   const Json *const whole = curve_of(economy, "integer-powers-of-s"), *const real = curve_of(economy, "real-powers"),

@@ -494,7 +494,8 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["chosen"] = result.ranking.at(result.chosen).name;
   json["stability"] = stability_json(result.ranking.at(result.chosen).fit);
   add_scalars(json, result);
-  json["verdict_sentence"] = with_advice(result.verdict_sentence, result.advice);
+  json["verdict_sentence"] = run.economy ? std::string(frac::no_noise_sentence) + " " + run.economy->sentence
+                                         : with_advice(result.verdict_sentence, result.advice);
   json["notes"] = result.notes;
   json["set_aside"] = result.set_aside ? Json(result.ranking.at(*result.set_aside).name) : Json(nullptr);
   json["fractional"] = finalist_json(result, result.fractional);

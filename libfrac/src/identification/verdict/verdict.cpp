@@ -200,6 +200,12 @@ void judge(IdentificationResult& result, const Data& data, const OptionsOf<Data>
            const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.verdict = Verdict::undecided;
   result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
+  if constexpr (is_response<Data>) {
+    if (options.without_noise) {
+      result.verdict_sentence = no_noise_sentence;
+      return;
+    }
+  }
   if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
     result.verdict_sentence =
         "There are too few residuals (" + std::to_string(competitors.front().residual.size()) +
