@@ -12,15 +12,16 @@ namespace {
 /// Beyond this correlation a record looks like a drift, and its level is not determined.
 constexpr double most_correlation = 0.98;
 
-/// Variance of influence' * noise for noise of unit variance and correlation r^lag.
-double variance_under(double r, const Eigen::VectorXd& influence, std::size_t per_point) {
+/// Variance of influence' * noise for noise of unit variance and correlation r^lag, influences in `unit`.
+double variance_under(double r, const Eigen::VectorXd& influence, double unit, std::size_t per_point) {
   const auto stride = static_cast<Eigen::Index>(per_point);
   double sum = 0;
   for (Eigen::Index part = 0; part < stride; ++part) {
     double carried = 0;  // sum of the earlier values, each times r per point since
     for (Eigen::Index i = part; i < influence.size(); i += stride) {
-      sum += influence[i] * (influence[i] + 2 * carried);
-      carried = r * (carried + influence[i]);
+      const double each = influence[i] / unit;
+      sum += each * (each + 2 * carried);
+      carried = r * (carried + each);
     }
   }
   return sum;
@@ -125,21 +126,20 @@ void CorrelatedNoise::add_smooth(double white_variance) {
   }
 }
 
-double CorrelatedNoise::widening(const Eigen::VectorXd& unscaled) const {
-  const double largest = unscaled.size() > 0 ? unscaled.lpNorm<Eigen::Infinity>() : 0;
-  if (possibilities_.empty() || !(largest > 0)) return 1;
+double CorrelatedNoise::widening(const Eigen::VectorXd& influence) const {
   // The size of the influence cancels; its squares would vanish or overflow for parameters of 1e-200 or 1e200.
-  const Eigen::VectorXd influence = unscaled / largest;
+  const double unit = influence.size() > 0 ? influence.lpNorm<Eigen::Infinity>() : 0;
+  if (possibilities_.empty() || !(unit > 0)) return 1;
   std::optional<SmoothError::Influence> sums;
-  if (smooth_) sums = smooth_->influence(influence);
+  if (smooth_) sums = smooth_->influence(influence, unit);
   double variance = 0;
   for (const Possibility& each : possibilities_) {
     if (each.probability < 1e-6) continue;
     variance += each.probability * each.variance *
                 (each.share > 0 ? smooth_->variance(*sums, each.share, each.length)
-                                : variance_under(each.correlation, influence, per_point_));
+                                : variance_under(each.correlation, influence, unit, per_point_));
   }
-  return std::sqrt(variance / influence.squaredNorm());
+  return std::sqrt(variance / variance_under(0, influence, unit, per_point_));
 }
 
 }  // namespace frac::detail

@@ -68,7 +68,8 @@ void SmoothError::for_each_piece(const Visit& visit) const {
   }
 }
 
-SmoothError::SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis, const ResidualAxis& axis)
+SmoothError::SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
+                         const ResidualAxis& axis)
     : axis_(axis),
       block_((axis.position.size() + most_blocks - 1) / most_blocks),
       position_((axis.position.size() + block_ - 1) / block_, 0.0),
@@ -158,17 +159,28 @@ SmoothError::Likelihood SmoothError::at(double share, double length) const {
   return {restricted - degrees_ * std::log(rest), rest * rest / degrees_};
 }
 
-SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each) const {
-  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  Influence result{0, Eigen::MatrixXd(static_cast<Eigen::Index>(position_.size()), parts)};
-  for_each_piece([&](std::size_t first, Eigen::Index row, Eigen::Index rows) {
-    Eigen::MatrixXd column = each.segment(row, rows);
-    turn(first, column);
-    result.square += column.squaredNorm();
-    const Eigen::MatrixXd sums = block_sums(column);
-    for (Eigen::Index i = 0; i < sums.rows(); ++i)
-      result.sums(static_cast<Eigen::Index>(first / block_) + i / parts, i % parts) = sums(i, 0);
-  });
+SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each, double unit) const {
+  const std::size_t parts = axis_.per_point;
+  Influence result{
+      0, Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), static_cast<Eigen::Index>(parts))};
+  const std::complex<double> one = 1;
+  Eigen::Index block = 0;
+  for (std::size_t i = 0, next = block_; i < axis_.position.size(); ++i) {
+    if (i == next) {
+      ++block;
+      next += block_;
+    }
+    const std::complex<double> factor = axis_.factor.empty() ? one : axis_.factor[i];
+    const double* const part = each.data() + i * parts;
+    const double real = part[0] / unit, imag = parts == 2 ? part[1] / unit : 0;
+    const double turned = real * factor.real() - imag * factor.imag();
+    result.square += turned * turned;
+    result.sums(block, 0) += turned;
+    if (parts == 1) continue;
+    const double other = real * factor.imag() + imag * factor.real();
+    result.square += other * other;
+    result.sums(block, 1) += other;
+  }
   return result;
 }
 

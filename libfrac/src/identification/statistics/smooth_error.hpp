@@ -32,12 +32,12 @@ class SmoothError {
   };
   [[nodiscard]] Likelihood at(double share, double length) const;
 
-  /// Sums of an influence over the blocks, which variances need; its own square beside them.
+  /// Sums of an influence, in a unit, over the blocks, which variances need; its own square beside them.
   struct Influence {
     double square;
     Eigen::MatrixXd sums;  // blocks x residuals of a point
   };
-  [[nodiscard]] Influence influence(const Eigen::VectorXd& each) const;
+  [[nodiscard]] Influence influence(const Eigen::VectorXd& each, double unit) const;
   /// Variance of influence' * residuals, for residuals of unit variance.
   [[nodiscard]] double variance(const Influence& of, double share, double length) const;
 
