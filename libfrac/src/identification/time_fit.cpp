@@ -117,7 +117,9 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
   const Eigen::MatrixXd columns = residuals.eliminated_columns();
   const Eigen::MatrixXd inverse = detail::PlainQr(columns).dual();
   Eigen::MatrixXd influence = inverse;
-  if (found.influence.size() > 0) influence -= found.influence * (eliminated.gradient.transpose() * inverse);
+  const bool known_influence = found.spread.size() > 0;
+  if (known_influence)
+    influence -= found.directions * (found.spread.transpose() * eliminated.gradient.transpose() * inverse);
   const std::size_t modelled = result.covariance.size();
   const double variance = found.deviation * found.deviation;
   const std::vector<double> output = observed_output(data);
@@ -138,7 +140,7 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
     widening.push_back(found.noise.widening(own));
     std::vector<double> covariance;
     for (std::size_t i = 0; i < modelled; ++i) {
-      const double both = found.influence.size() > 0 ? own.dot(found.influence.col(static_cast<Eigen::Index>(i))) : 0;
+      const double both = known_influence ? own.dot(found.influence(i)) : 0;
       const bool known = !std::isnan(result.covariance[i][i]);
       covariance.push_back(known ? variance * both * widening.back() * widening[i] : nan);
     }

@@ -73,6 +73,7 @@ Confidence nothing_known(const ParameterMap& map) {
                     nan,
                     {},
                     std::vector<double>(parameters, 1.0),
+                    {},
                     {}};
   for (std::size_t i = 0; i < parameters; ++i) {
     if (!map.is_fixed(i)) continue;
@@ -221,7 +222,7 @@ void set_errors(const ParameterMap& map, const std::vector<double>& values, cons
 
 /// By how much the correlation of neighbouring residuals widens an error.
 double widening_of(std::size_t parameter, bool with_priors, const Confidence& result) {
-  const auto influence = result.influence.col(static_cast<Eigen::Index>(parameter));
+  const Eigen::VectorXd influence = result.influence(parameter);
   const double widening = result.noise.widening(influence);
   if (!with_priors) return widening;
   // What a prior tells of the parameter has nothing to do with the noise of the residuals.
@@ -265,14 +266,12 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   measure_spread(residuals, residual, options, result);
 
   const std::vector<double> values = map.to_user(solution.theta);
-  const Eigen::MatrixXd spread = inner.scaled(map.jacobian(values)) * inner.vectors * inner.inverse_sigma.asDiagonal();
-  set_errors(map, values, inner, spread, result);
+  result.spread = inner.scaled(map.jacobian(values)) * inner.vectors * inner.inverse_sigma.asDiagonal();
+  set_errors(map, values, inner, result.spread, result);
 
-  // What the residuals change by along each direction: orthonormal but for what priors tell, and what is rounding.
-  const Eigen::MatrixXd along =
-      inner.scaled(at_best->jacobian) * (inner.vectors * inner.inverse_sigma.asDiagonal()).eval();
+  result.directions = inner.scaled(at_best->jacobian) * (inner.vectors * inner.inverse_sigma.asDiagonal()).eval();
   at_best->jacobian.resize(0, 0);
-  const auto fitted = along.leftCols(static_cast<Eigen::Index>(inner.rank()));
+  const auto fitted = result.directions.leftCols(static_cast<Eigen::Index>(inner.rank()));
   if (priors.rows() == 0 && residuals.eliminated() == 0) {
     result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
   } else {
@@ -280,7 +279,6 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     columns << fitted, residuals.eliminated_columns();
     result.noise = noise_of(residuals, solution.theta, residual, PivotedQr(columns).basis(), options);
   }
-  result.influence = along * spread.transpose();
   for (const std::size_t i : inner.parameter) {
     result.widening[i] = widening_of(i, priors.rows() > 0, result);
     const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));

@@ -36,9 +36,14 @@ struct Confidence {
   double loss_unit;       // see FitResult, in units of the residuals: rise of the objective for one standard error
   CorrelatedNoise noise;  // of the residuals
   std::vector<double> widening;  // of each standard error, by the correlation of neighbouring residuals
-  Eigen::MatrixXd influence;     // count() x parameters: what an estimate moves by for each residual; empty if unknown
+  Eigen::MatrixXd directions;    // count() x known ones: changes of the residuals; orthonormal but for what priors tell
+  Eigen::MatrixXd spread;        // parameters x known ones: what an estimate moves by along each; empty if unknown
   double from_priors = 0;        // how many parameters priors tell in place of the residuals
 
+  /// What an estimate moves by for each residual.
+  [[nodiscard]] Eigen::VectorXd influence(std::size_t parameter) const {
+    return directions * spread.row(static_cast<Eigen::Index>(parameter)).transpose();
+  }
   /// Parameters that the residuals tell.
   [[nodiscard]] double effective() const { return static_cast<double>(rank) - from_priors; }
 };

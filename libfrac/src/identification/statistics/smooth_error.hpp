@@ -37,7 +37,7 @@ class SmoothError {
     double square;
     Eigen::MatrixXd sums;  // blocks x residuals of a point
   };
-  [[nodiscard]] Influence influence(const Eigen::VectorXd& each, double unit) const;
+  [[nodiscard]] Influence influence(const Eigen::VectorXd& each, double unit = 1) const;
   /// Variance of influence' * residuals, for residuals of unit variance.
   [[nodiscard]] double variance(const Influence& of, double share, double length) const;
 
