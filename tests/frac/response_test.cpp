@@ -758,6 +758,19 @@ TEST(Trigger, TellsPeriodAndPhase) {
   EXPECT_THROW(static_cast<void>(frac::trigger_instants({0, 1, 0, 0, 1, 0})), std::invalid_argument);
 }
 
+// Noise under a period that is told: no line is above it, with a chance of 1e-3 to be wrong.
+TEST(PeriodicResponse, SaysWhereTheInputIsNoiseAlone) {
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> normal;
+  const auto noise = sampled(1280, [&](double) { return normal(generator); });
+  ResponseOptions options;
+  options.period = 128;
+  const auto found = frac::response({Record(1, noise, {noise})}, options);
+  EXPECT_FALSE(found.usable());
+  ASSERT_EQ(found.remarks.size(), 1U);
+  EXPECT_NE(found.remarks[0].find("no line of the input stands above its noise"), std::string::npos);
+}
+
 TEST(Record, RefusesWhatIsNoRecord) {
   const std::vector<double> good = sampled(20, [](double t) { return std::sin(t); });
   auto bad = good;

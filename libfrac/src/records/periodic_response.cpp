@@ -149,7 +149,12 @@ Estimated periodic_response(const Record& record, double length) {
   Estimated estimated;
   estimated.periods = static_cast<double>(periods);
   estimated.outputs.resize(outputs);
-  if (excited.empty()) return estimated;
+  if (excited.empty()) {
+    estimated.remarks.push_back(
+        std::string(has_reference ? "no line of the reference" : "no line of the input") +
+        " stands above its noise: it has another period, or too few periods or too little power for this one");
+    return estimated;
+  }
   if (all_excited.others > 0)
     estimated.remarks.push_back(std::to_string(all_excited.others) +
                                 " lines of the input are above its noise and less than a quarter of the others: they "
