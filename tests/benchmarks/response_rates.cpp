@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How often the 95 % intervals of response() hold the exact response, for each disturbance and number of periods, over
 // seeds that nothing was tuned on, beside the mean over periods with its scatter; then errors of a random input beside
-// those of windowed H1.  Prints the tables of tools/docs/methods/response.md.  Arguments: [seeds] [first seed]
+// those of windowed H1.  Prints the tables of tools/docs/methods/response.md.  Arguments: [seeds] [first seed] [part of
+// the name of a record, such as stepped: these alone]
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -99,10 +100,12 @@ int main(int count, char** arguments) {
   const bool smoke = count > 1 && std::string(arguments[1]) == "--smoke";
   const int seeds = smoke ? 2 : count > 1 ? std::atoi(arguments[1]) : 200;
   const int first = count > 2 && !smoke ? std::atoi(arguments[2]) : 1000;
+  const std::string part = count > 3 ? arguments[3] : "";
   std::printf(
       "| record | periods | intervals | hold %% | of the worst line %% | rms error / sigma | flagged | recognised %% "
       "| mean over periods: hold %% | its rms error / ours |\n|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const auto which : support::record_cases)
+  for (const auto which : support::record_cases) {
+    if (name_of(which).find(part) == std::string_view::npos) continue;
     for (const int periods : {2, 3, 5, 8, 10, 20}) {
       if (periods == 8 && !support::is_stepped(which)) continue;
       if (support::is_random(which) && periods < 5) continue;
@@ -129,6 +132,8 @@ int main(int count, char** arguments) {
         std::printf("  |  |\n");
       std::fflush(stdout);
     }
+  }
+  if (!part.empty()) return 0;
   std::printf(
       "\n| noise / output | records | error / that of H1, median | 90 %% | largest | at most a tenth |\n"
       "|---|---|---|---|---|---|\n");

@@ -157,6 +157,12 @@ TEST(Loop, WritesTheRecordOfARig) {
   }
   // The mean of 400 squares scatters by sqrt(2/400), 7 %.
   EXPECT_NEAR(std::sqrt(squares / 400), 0.01, 0.0015);
+  // The set-point stands beside them where a sine or a file drives it.
+  EXPECT_FALSE(record[0].contains("reference_m"));
+  const auto driven = rows_with({"--record", "--setpoint-sine", "0.5:3"});
+  // Straight between rows, eight of a sample: (3 x 0.05/8)^2/8 of the amplitude.
+  for (const auto& row : driven)
+    EXPECT_NEAR(row["reference_m"].get<double>(), 0.5 * std::sin(3 * row["time_s"].get<double>()), 3e-5);
   const auto instant = run_fracfit({"loop", "--controller", "2 + s", "--restitution", "0.6", "--velocity2", "1",
                                     "--every", "0.1", "--duration", "1e-9", "--record"});
   EXPECT_EQ(instant.code, 2);

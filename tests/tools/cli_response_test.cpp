@@ -212,7 +212,6 @@ TEST(ResponseCommand, FitTakesTheFileAndItsDeviations) {
   }
 }
 
-// A static cubic y = u + 0.1 u^3 under odd lines: the picture names the response, its noise and both distortions.
 // Two encoders of one drive from one record: one formula each with shared poles, weighed by the deviations.
 TEST(ResponseCommand, TwoOutputsOfOneMachineShareTheirPoles) {
   const TemporaryFolder folder;
@@ -237,6 +236,14 @@ TEST(ResponseCommand, TwoOutputsOfOneMachineShareTheirPoles) {
              [&](double i) { return sum(i, [&](auto s) { return 500.0 / poles(s); }) + 0.3 * random.normal(); }}));
   const auto written = folder.path("both.csv");
   ASSERT_EQ(run_fracfit({"response", file, "--out", written}).code, 0);
+  for (const char* command : {"fit", "identify"}) {
+    std::vector<std::string> words{command, written};
+    if (words[0] == "fit") words.insert(words.end(), {"--model", "b0/(s^2 + c s + k)"});
+    const auto refused = run_fracfit(words);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.error.find("fracfit joint-fit " + written + " --model FORMULA --shared NAMES"), std::string::npos)
+        << refused.error;
+  }
   std::vector<std::string> words{"joint-fit", written, "--model",  "(b1 s + b0)/(s^2 + c s + k)",
                                  "--shared",  "c,k",   "--format", "json"};
   const auto result = run_fracfit(words);
@@ -255,6 +262,7 @@ TEST(ResponseCommand, TwoOutputsOfOneMachineShareTheirPoles) {
   EXPECT_EQ(fit.at("shared"), rows_of(run_fracfit(words)).at("shared"));
 }
 
+// A static cubic y = u + 0.1 u^3 under odd lines: the picture names the response, its noise and both distortions.
 TEST(ResponseCommand, DrawsResponseNoiseAndDistortion) {
   const TemporaryFolder folder;
   support::Random random(5);
@@ -319,6 +327,7 @@ TEST(ResponseCommand, SaysWhatIsWrongWithARecord) {
   // A sweep, told to be periodic.
   refused(table("time_s,u,y", 500, {time, [](double i) { return std::sin(0.001 * i * i); }, sine}),
           {"--excitation", "periodic"}, 2, "period is not told");
+  refused(table("time_s,u,y", 500, {time, random, sine}), {"--period", "0.5"}, 1, "no line of the input stands above");
   // A stepped sine with no segment.
   refused(table("time_s,u,y", 500, {time, [](double i) { return std::sin(0.001 * i * i); }, sine}),
           {"--excitation", "stepped-sine"}, 1, "no line or segment");

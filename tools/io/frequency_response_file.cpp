@@ -26,8 +26,9 @@ namespace {
 [[noreturn]] void refuse_several(const Measurement& measurement, const std::vector<std::string>& names) {
   throw std::invalid_argument(measurement.file + " holds " + std::to_string(names.size()) + " sweeps (" +
                               shortened_list(names) +
-                              "); take one by --select N or its name, or each on its own by "
-                              "fracfit batch");
+                              "); take one by --select N or its name, each on its own by fracfit batch, or all of them "
+                              "with parameters in common, such as the poles of one machine, by fracfit joint-fit " +
+                              measurement.file + " --model FORMULA --shared NAMES");
 }
 
 bool is_repeated(const std::vector<double>& rising) {

@@ -13,7 +13,8 @@ namespace backlash {
 /// A force and the positions that it makes, over time: N and m.
 struct RigMotion {
   frac::SignalPath force, x1, x2;
-  bool complete = true;  // false where the motion could not be followed to its end
+  bool complete = true;             // false where the motion could not be followed to its end
+  frac::SignalPath set_point = {};  // m, of a loop that it drives; else empty
 };
 
 /// How a rig reads its signals.
@@ -28,6 +29,7 @@ struct RigSensors {
 /// Readings at equal steps of time, as the clock gives it.
 struct RigRecord {
   std::vector<double> time, force, x1, x2;
+  std::vector<double> set_point = {};  // as it is; empty where the motion has none
 };
 
 /// F cos(phase), so many periods of each frequency, which changes at a peak; times count from the first peak.

@@ -67,6 +67,8 @@ RigRecord rig_record(const RigMotion& motion, const RigSensors& sensors) {
   record.force = frac::sensor_readings(motion.force, instants, sensors.force, sensors.seed + 1);
   record.x1 = frac::sensor_readings(motion.x1, instants, sensors.position, sensors.seed + 2);
   record.x2 = frac::sensor_readings(motion.x2, instants, sensors.position, sensors.seed + 3);
+  if (!motion.set_point.time.empty())
+    record.set_point = frac::sensor_readings(motion.set_point, instants, {}, sensors.seed);
   return record;
 }
 

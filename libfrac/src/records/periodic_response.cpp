@@ -23,11 +23,33 @@ struct ExcitedLines {
   std::size_t others = 0;
 };
 
+/// Chance that noise alone makes the line so large in the drive and an output together, the least of all outputs
+/// (Hotelling's T^2 of two complex normal variables).  Noise that goes round a loop is in both alike, and counts once.
+double chance_of_noise(const LineEstimate& line, Eigen::Index drive) {
+  constexpr double rounding = 1e-12;
+  double least = 1;
+  for (Eigen::Index output = 1; output < line.value.size(); ++output) {
+    const double of_output = line.covariance(output, output).real();
+    if (!(of_output > 0)) return 0;
+    const std::complex<double> slope = line.covariance(drive, output) / of_output;
+    const double of_drive = line.covariance(drive, drive).real();
+    const double rest = std::max(of_drive - std::norm(slope) * of_output, rounding * of_drive);
+    const double squares =
+        std::norm(line.value(output)) / of_output + std::norm(line.value(drive) - slope * line.value(output)) / rest;
+    least =
+        std::min(least, fisher_f_above(squares * (line.degrees - 1) / (2 * line.degrees), 4, 2 * (line.degrees - 1)));
+  }
+  return least;
+}
+
 /// Lines count that stand above the noise, with a chance of 1e-3 over all lines to be wrong, and are at least a
 /// hundredth of the largest.  Where a gap of more than a factor of 4 parts them (the widest one), those below it are
 /// distortion of the amplifier or the answer of a loop; lines of a square wave are a factor of 3 apart at most.
 ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index drive) {
+  const bool has_reference = drive != 0;
   constexpr double least_share = 0.01, chance = 1e-3, least_gap = 4;
+  // A line that is noise in a loop has the response of its controller, with a deviation of rounding.
+  constexpr double chance_in_loop = 1e-6;
   double largest = 0;
   for (const auto& line : lines) largest = std::max(largest, std::abs(line.value(drive)));
   std::vector<std::pair<double, std::size_t>> strong;
@@ -36,8 +58,9 @@ ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index 
     if (!(amplitude >= least_share * largest) || amplitude == 0) continue;
     const double noise = lines[i].degrees > 0 ? lines[i].covariance(drive, drive).real() : 0;
     const double ratio = amplitude * amplitude / noise;
-    if (std::isfinite(ratio) &&
-        fisher_f_above(ratio, 2, 2 * lines[i].degrees) > chance / static_cast<double>(lines.size()))
+    const auto count = static_cast<double>(lines.size());
+    if (std::isfinite(ratio) && (fisher_f_above(ratio, 2, 2 * lines[i].degrees) > chance / count ||
+                                 (!has_reference && chance_of_noise(lines[i], drive) > chance_in_loop / count)))
       continue;
     strong.emplace_back(amplitude, i + 1);
   }
@@ -149,7 +172,12 @@ Estimated periodic_response(const Record& record, double length) {
   Estimated estimated;
   estimated.periods = static_cast<double>(periods);
   estimated.outputs.resize(outputs);
-  if (excited.empty()) return estimated;
+  if (excited.empty()) {
+    estimated.remarks.push_back(
+        std::string(has_reference ? "no line of the reference" : "no line of the input") +
+        " stands above its noise: it has another period, or too few periods or too little power for this one");
+    return estimated;
+  }
   if (all_excited.others > 0)
     estimated.remarks.push_back(std::to_string(all_excited.others) +
                                 " lines of the input are above its noise and less than a quarter of the others: they "

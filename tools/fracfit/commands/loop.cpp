@@ -83,7 +83,7 @@ class LoopCommand : public Command {
         "measured body, rest_from_m to rest_to_m.\n"
         "With --record the output is one for fracfit response: columns time_s, force_n, x1_m, x2_m every DT, as "
         "sensors\n"
-        "read them.\n"
+        "read them, and reference_m, the set-point, where a sine or a file drives it.\n"
         "Examples:\n"
         "  fracfit loop --controller '1 + s^0.5' --restitution 0.6 --velocity2 1 --duration 60\n"
         "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --setpoint-step 1 --every 0.05 --out "
@@ -160,7 +160,8 @@ class LoopCommand : public Command {
   }
   template <class History>
   void write_record(const History& history, const io::Metadata& head, double every) {
-    write(text_of({head, record_.rows(backlash::rig_motion(history.rows), every), {}}, format(), command_line()));
+    write(text_of({head, record_.rows(backlash::rig_motion(history.rows, set_point_), every), {}}, format(),
+                  command_line()));
   }
 
   void say_end(backlash::LoopEnd end, double end_time, double realisation_error) const {

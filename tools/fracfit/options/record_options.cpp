@@ -45,11 +45,16 @@ Rows RecordOptions::rows(const backlash::RigMotion& motion, double sample_time) 
   sensors.sample_time = sample_time;
   if (!std::isnan(clip_)) sensors.position.clip = clip_;
   const auto record = std::make_shared<const backlash::RigRecord>(rig_record(motion, sensors));
-  return {
-      {"time_s", "force_n", "x1_m", "x2_m"}, record->time.size(), [record](std::size_t i, std::vector<Cell>& cells) {
-        for (const auto* column : {&record->time, &record->force, &record->x1, &record->x2})
-          cells.emplace_back((*column)[i]);
-      }};
+  Rows rows{{"time_s", "force_n", "x1_m", "x2_m"}, record->time.size(), {}};
+  std::vector<const std::vector<double>*> columns{&record->time, &record->force, &record->x1, &record->x2};
+  if (!record->set_point.empty()) {
+    rows.columns.emplace_back("reference_m");
+    columns.push_back(&record->set_point);
+  }
+  rows.fill = [record, columns](std::size_t i, std::vector<Cell>& cells) {
+    for (const auto* column : columns) cells.emplace_back((*column)[i]);
+  };
+  return rows;
 }
 
 }  // namespace fracfit

@@ -18,7 +18,8 @@ class RecordOptions {
   void add(Options& options, const std::string& record);
   /// @throws std::invalid_argument  a number that no sensor has; the text names the option.
   void check(const Options& options) const;
-  /// Columns time_s, force_n, x1_m, x2_m. @throws std::invalid_argument  as rig_record().
+  /// Columns time_s, force_n, x1_m, x2_m, and reference_m of a loop that its set-point drives. @throws
+  /// std::invalid_argument  as rig_record().
   [[nodiscard]] Rows rows(const backlash::RigMotion& motion, double sample_time) const;
 
  private:

@@ -140,6 +140,8 @@ class RigRecord(_Record, Table):
         s, at equal steps, as the clock gives it.
     force, x1, x2 : ndarray
         N, m.
+    set_point : ndarray
+        m, of a loop that a sine or a series of set-points drives; else empty.
     sample_time : float
         s
     complete : bool
@@ -150,6 +152,7 @@ class RigRecord(_Record, Table):
     force: Array
     x1: Array
     x2: Array
+    set_point: Array
     sample_time: float
     complete: bool
 
@@ -163,7 +166,8 @@ class RigRecord(_Record, Table):
         return TimeSeries(self.time, self.force, getattr(self, body_of(body)))
 
     def _columns(self) -> dict[str, Any]:
-        return {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
+        columns = {"time_s": self.time, "force_n": self.force, "x1_m": self.x1, "x2_m": self.x2}
+        return columns | ({"reference_m": self.set_point} if self.set_point.size else {})
 
     def __repr__(self) -> str:
         return f"RigRecord({self.size} samples, every {self.sample_time:g} s{'' if self.complete else ', not complete'})"

@@ -335,7 +335,7 @@ def _of_rig(rig: RigRecord, output: Any) -> dict[str, Any]:
         raise ValueError(f"output is {output!r}; expected x1 or x2, the positions of a RigRecord")
     if not rig.size:
         raise ValueError("the record is empty: its motion could not be followed to its end")
-    signals = (rig.sample_time, rig.force, [getattr(rig, body) for body in bodies], NO_NUMBERS, [])
+    signals = (rig.sample_time, rig.force, [getattr(rig, body) for body in bodies], rig.set_point, [])
     return {"record": signals, "names": [f"{body}_m" for body in bodies], "units": ["m/N"] * len(bodies), "input_unit": "N"}
 
 

@@ -136,7 +136,8 @@ py::dict followed(const Loop& loop, const backlash::SetPoint& set_point, const p
       result_of([&](frac::Progress&) { return backlash::simulate_loop(loop, start, set_point, options); });
   if (as_read) {
     const backlash::RigSensors sensors = sensors_of(*as_read);
-    auto record = result_of([&](frac::Progress&) { return rig_record(backlash::rig_motion(history.rows), sensors); });
+    auto record =
+        result_of([&](frac::Progress&) { return rig_record(backlash::rig_motion(history.rows, set_point), sensors); });
     return dict_of(std::move(record), sensors.sample_time, history.end == backlash::LoopEnd::duration);
   }
   py::dict result = dict_of_rows(history.rows);

@@ -28,6 +28,7 @@ using Sensors = std::tuple<double, double, double, double, double, double, doubl
   result["force"] = array_of(std::move(record.force));
   result["x1"] = array_of(std::move(record.x1));
   result["x2"] = array_of(std::move(record.x2));
+  result["set_point"] = array_of(std::move(record.set_point));
   result["sample_time"] = sample_time;
   result["complete"] = complete;
   return result;
