@@ -263,6 +263,27 @@ TEST(SceneInWords, IsTheSceneInTheWordsOfOthers) {
   EXPECT_NEAR(t / time, 1, 1e-3 + p);
   EXPECT_NEAR(v / value("contact", 3), 1, 2 * p);
 
+  // The same of masses that are given: each model but for the command that it names.
+  Words given{"simulate"};
+  std::istringstream words(options);
+  for (std::string word; words >> word;) given.push_back(word);
+  EXPECT_EQ(run_fracfit(joined(given, {"--print", "options"})).output, options);
+  const auto without_command = [](const std::string& model) {
+    return model.substr(0, model.find("fracfit ")) + model.substr(model.find_first_of("\"\n", model.find("fracfit ")));
+  };
+  EXPECT_EQ(without_command(run_fracfit(joined(given, {"--print", "modelica"})).output), without_command(modelica));
+  EXPECT_EQ(without_command(run_fracfit(joined(given, {"--print", "mjcf"})).output), without_command(mjcf));
+  const Words drive{"simulate", "--inertia1", "0.2",     "--inertia2",    "0.01", "--gear-ratio",  "5",
+                    "--quiet",  "--print",    "options", "--gap-degrees", "18",   "--restitution", "0.5"};
+  const std::string converted = run_fracfit(drive).output;
+  EXPECT_EQ(number_after(converted, "--mass2 "), 0.25);
+  EXPECT_NEAR(number_after(converted, "--clearance "), std::numbers::pi / 10, 1e-15);
+  const Words rigid{"simulate", "--clearance", "1", "--restitution", "0.5", "--print", "modelica"};
+  EXPECT_NE(run_fracfit(rigid).error.find("contacts of a simulator have a stiffness"), std::string::npos);
+  EXPECT_EQ(run_fracfit(rigid).code, 2);
+  EXPECT_EQ(run_fracfit(joined(drive, {"--force", "1"})).code, 2);
+  EXPECT_EQ(run_fracfit(joined(drive, {"--clearance", "1,2"})).code, 2);
+
   const std::string hard = folder.path("hard.csv");
   ASSERT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega",
                          "18:30:12", "--out", hard})
