@@ -198,6 +198,18 @@ TEST(Cascade, IsToldByTune) {
   EXPECT_EQ(k2, kd);
 }
 
+TEST(Tune, ASeriesPidIsACascade) {
+  const Words asked{"tune", "--model",     "1/(2 s^2)", "--crossover",     "3",        "--phase-margin",
+                    "50",   "--structure", "series",    "--low-frequency", "0.6:0.055"};
+  const auto json = nlohmann::json::parse(run_fracfit(joined(asked, {"--quiet"})).output);
+  EXPECT_EQ(json["status"], "met");
+  EXPECT_GT(json["controller"]["ki"], 0);
+  EXPECT_FALSE(json["cascade"].is_null());
+  const auto refused = run_fracfit(joined(asked, {"--mu", "1"}));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--mu has no meaning with --structure series"), std::string::npos) << refused.error;
+}
+
 // The number behind a text.
 double number_after(const std::string& text, const std::string& head) {
   const auto at = text.find(head);
