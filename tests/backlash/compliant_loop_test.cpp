@@ -303,10 +303,99 @@ TEST(CompliantLoop, RestRangeOfFreeBodiesIsThatOfBothFrictions) {
   EXPECT_EQ(backlash::rest_range(damped, 3).to, unbounded);
 }
 
+// From sample to sample the bodies move under a constant force, which an integration begins anew at each row: what
+// contact and slide go on there it decides from positions, velocities and forces.
+TEST(SampledCompliantLoop, MovesBetweenSamplesAsAnIntegrationDoes) {
+  support::Random random(363);
+  int contacts = 0, rests = 0;
+  for (std::size_t i = 0; i < 12; ++i) {
+    Machine m = random_loop(random, i);
+    const Machine::Control control = *m.control;
+    backlash::SampledLoopOptions options;
+    options.sample_time = 0.04;
+    options.duration = 8;
+    options.force_limit = control.limit;
+    options.velocity1 = 0.4 * m.clearance;
+    options.velocity2 = -m.clearance;
+    options.set_point.step = control.set_point.step;
+    options.set_point.ramp = control.set_point.ramp;
+    if (i % 2 == 0) options.disturbance = {0.1 * control.kp * m.clearance, -0.2 * control.kp * m.clearance};
+    const CompliantLoopHistory history = simulate_sampled_loop(loop_of(m), options);
+    ASSERT_EQ(history.end, backlash::LoopEnd::duration);
+    ASSERT_EQ(history.rows.size(), 201U);
+    contacts += static_cast<int>(history.contacts);
+    m.control = Machine::Control{};
+    for (std::size_t n = 0; n + 1 < history.rows.size(); ++n) {
+      const auto &row = history.rows[n], &next = history.rows[n + 1];
+      rests += row.v1 == 0 || row.v2 == 0 ? 1 : 0;
+      m.control->disturbance = {options.disturbance.body1, options.disturbance.body2 + row.force};
+      Integration motion(m, {row.x1, row.v1, row.x2, row.v2});
+      motion.advance(static_cast<compliant_test::Real>(options.sample_time));
+      const auto& z = motion.state();
+      // Roundings of positions that grow to a hundred gaps, and of a force over the least mass.
+      const double size = m.clearance + std::abs(row.x1) + std::abs(row.x2);
+      ASSERT_NEAR(next.x1, static_cast<double>(z[Integration::x1]), 1e-13 * size) << "loop " << i << ", row " << n;
+      ASSERT_NEAR(next.x2, static_cast<double>(z[Integration::x2]), 1e-13 * size) << "loop " << i << ", row " << n;
+    }
+  }
+  EXPECT_GT(contacts, 24);
+  EXPECT_GT(rests, 50);
+}
+
+// A held force and a difference quotient are of first order in the sample time: the error against the continuous loop
+// halves with it.  With dry friction, contacts and a constant force on each body.
+TEST(SampledCompliantLoop, TendsToTheContinuousOne) {
+  Machine m;
+  m.clearance = 0.2;
+  const CompliantContact contact = CompliantContact::from_frequency(40, 0.2, 1, 1);
+  m.stiffness = contact.stiffness();
+  m.damping = contact.damping();
+  m.coulomb1 = 0.05;
+  m.coulomb2 = 0.1;
+  m.control = Machine::Control{3, 0, 3};
+  m.control->follows_drive = true;
+  m.control->set_point = {1, 0, 0, 0, {}, 1};
+  const CompliantLoop loop = loop_of(m);
+  LoopSimulationOptions exact;
+  exact.duration = 2;
+  exact.sample_time = 2;
+  exact.rows_at_impacts = false;
+  exact.disturbance = {-0.1, 0.05};
+  const double wanted = simulate_loop(loop, {}, m.control->set_point, exact).rows.back().x2;
+  std::vector<double> errors;
+  for (const double sample_time : {2e-3, 1e-3, 5e-4}) {
+    backlash::SampledLoopOptions options;
+    options.sample_time = sample_time;
+    options.duration = 2;
+    options.set_point = m.control->set_point;
+    options.disturbance = exact.disturbance;
+    const auto history = simulate_sampled_loop(loop, options);
+    EXPECT_GT(history.contacts, 1U);
+    errors.push_back(history.rows.back().x2 - wanted);
+  }
+  EXPECT_NEAR(errors[0] / errors[1], 2, .2);
+  EXPECT_NEAR(errors[1] / errors[2], 2, .1);
+  EXPECT_LT(std::abs(errors[2]), 2e-3);
+}
+
+// A dead time is rounded to whole samples, which the force waits for.
+TEST(SampledCompliantLoop, WaitsForItsDeadTime) {
+  const Machine m;
+  const CompliantLoop loop(m.bodies(), frac::FractionalTransferFunction({{2, 0}}, {{1, 0}}, 0.05), Output::x2);
+  backlash::SampledLoopOptions options;
+  options.sample_time = 0.01;
+  options.duration = 0.2;
+  options.set_point.step = 1;
+  const auto rows = simulate_sampled_loop(loop, options).rows;
+  for (std::size_t n = 0; n < 5; ++n) EXPECT_EQ(rows[n].force, 0);
+  for (std::size_t n = 5; n < rows.size(); ++n) EXPECT_NEAR(rows[n].force, 2 * (1 - rows[n - 5].x2), 1e-14);
+}
+
 TEST(CompliantLoop, RefusesWhatItDoesNotFollow) {
   const Machine m;
   const frac::FractionalTransferFunction late({{1, 0}}, {{1, 0}}, 0.1);
-  support::expect_invalid_argument([&] { CompliantLoop(m.bodies(), late); }, {"dead time of 0.1 s"});
+  support::expect_invalid_argument([&] { (void)simulate_loop(CompliantLoop(m.bodies(), late), {}, {}, {}); },
+                                   {"dead time of 0.1 s"});
   const CompliantLoop loop(m.bodies(), frac::FractionalTransferFunction({{1, 1}, {1, 0}}, {{1, 0}}));
   LoopSimulationOptions options;
   options.whole_memory = true;

@@ -100,7 +100,7 @@ TEST(SimulateSampledLoop, ACascadeTendsToTheContinuousOne) {
     options.sample_time = sample_time;
     options.duration = 4;
     options.set_point = set_point;
-    options.disturbance = -.2;
+    options.disturbance.body2 = -.2;
     errors.push_back(simulate_sampled_loop(loop, options).rows.back().x2 - wanted);
   }
   // Of second order is what halves with each doubling.

@@ -51,6 +51,39 @@ TEST(Tune, PlantsMayHaveUndampedPoles) {
   }
 }
 
+// Of an inertia M the demands are kp = M w^2 cos(margin) and kd w - ki/w = M w^2 sin(margin), so that zeros are real up
+// to ki = M w^3 (1 - sin(margin))/2.  The integral of the error after a step of the load is least beyond that, and with
+// real zeros at it: flat to second order along the gains, which the search then tells to the root of its 1e-7.
+TEST(Tune, ASeriesPidHasRealZeros) {
+  const FractionalTransferFunction plant = parsed("1/(2 s^2)");
+  constexpr double omega = 3, margin = 50 * degree, mass = 2;
+  frac::TuningOptions options;
+  options.criterion = TuningCriterion::iae;
+  options.load_step = true;
+  options.horizon = 10;
+  options.structure = ControllerStructure::series;
+  const frac::LoopSpecification asked{.crossover = omega, .phase_margin = margin};
+  const TuningResult series = frac::tune(plant, asked, options);
+  ASSERT_EQ(series.status, TuningStatus::met) << series.message;
+  const double most = mass * omega * omega * omega * (1 - std::sin(margin)) / 2;
+  EXPECT_NEAR(series.gains.ki / most, 1, 1e-3);
+  EXPECT_NEAR(series.gains.kp, mass * omega * omega * std::cos(margin), 1e-9);
+  EXPECT_LE(4 * series.gains.ki * series.gains.kd, series.gains.kp * series.gains.kp);
+  EXPECT_EQ(series.gains.lambda, 1);
+  EXPECT_EQ(series.gains.mu, 1);
+  options.structure = ControllerStructure::pid;
+  options.lambda = options.mu = {1, 1};
+  const TuningResult free = frac::tune(plant, asked, options);
+  EXPECT_GT(free.gains.ki, 1.1 * most);
+  EXPECT_LT(free.iae, series.iae);
+  // |S| of 0.02 at w/5 takes ki = 22, where real zeros allow 6.3 and with it 0.053.
+  frac::LoopSpecification much = asked;
+  much.low_frequency = {omega / 5, 0.02};
+  EXPECT_EQ(frac::tune(plant, much, options).status, TuningStatus::met);
+  options.structure = ControllerStructure::series;
+  EXPECT_EQ(frac::tune(plant, much, options).status, TuningStatus::not_met);
+}
+
 // The grid is denser within some widths of a resonance to both sides; at a damping of 0.275 these go down to a third of
 // its frequency.
 TEST(Tune, PlantsMayHaveBroadResonances) {

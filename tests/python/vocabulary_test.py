@@ -69,7 +69,7 @@ ELSEWHERE = {
     "orbits": PAIR,
     "realise": {"model": "Model", "form": "the modal one; scipy.signal has others"},
     "respond": {"model": "Model", "feedback": "Model.feedback", "omega": "Model.sine"},
-    "simulate": {**PAIR, **QUANTITY, "motion": "static_describing_function", "diagnostics": "attributes of the curve"},
+    "simulate": {**PAIR, **QUANTITY, "motion": "static_describing_function", "print": "the numbers that are given", "diagnostics": "attributes of the curve"},
     "tune": PAIR,
     "validate": {"all-points": "all are judged"},
 }

@@ -703,12 +703,15 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
   const std::vector<std::string> loop{"loop", "--controller",      "1 + s", "--contact-stiffness",
                                       "100",  "--contact-damping", "1"};
   expect(refusal(with(loop, {"--whole-memory"})), "--whole-memory has no meaning with --contact-stiffness");
-  expect(refusal(with(loop, {"--sample-time", "0.01"})), "--sample-time has no meaning with --contact-stiffness");
   expect(refusal(with(loop, {"--restitution", "0.5"})), "--restitution");
   expect(refusal({"loop", "--controller", "1 + s"}), "--restitution is missing, or --contact-stiffness");
   expect(refusal({"loop", "--controller", "exp(-0.1 s) (1 + s)", "--contact-stiffness", "100", "--contact-damping", "1",
                   "--velocity2", "1"}),
          "dead time of 0.1 s");
+  const std::vector<std::string> pushed{"--disturbance1", "0.1", "--sample-time", "0.01", "--duration", "1"};
+  EXPECT_EQ(run_fracfit(with(loop, pushed)).code, 0);
+  expect(refusal(with({"loop", "--controller", "1 + s", "--restitution", "0.5"}, pushed)),
+         "no constant force on body 1");
   const std::vector<std::string> cycles{"limit-cycles", "--controller",      "1 + s", "--contact-stiffness",
                                         "100",          "--contact-damping", "1"};
   expect(refusal(with(cycles, {"--omega", "1:2"})), "--omega has no meaning with --contact-stiffness");

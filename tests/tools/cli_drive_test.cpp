@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -197,6 +198,18 @@ TEST(Cascade, IsToldByTune) {
   EXPECT_EQ(k2, kd);
 }
 
+TEST(Tune, ASeriesPidIsACascade) {
+  const Words asked{"tune", "--model",     "1/(2 s^2)", "--crossover",     "3",        "--phase-margin",
+                    "50",   "--structure", "series",    "--low-frequency", "0.6:0.055"};
+  const auto json = nlohmann::json::parse(run_fracfit(joined(asked, {"--quiet"})).output);
+  EXPECT_EQ(json["status"], "met");
+  EXPECT_GT(json["controller"]["ki"], 0);
+  EXPECT_FALSE(json["cascade"].is_null());
+  const auto refused = run_fracfit(joined(asked, {"--mu", "1"}));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--mu has no meaning with --structure series"), std::string::npos) << refused.error;
+}
+
 // The number behind a text.
 double number_after(const std::string& text, const std::string& head) {
   const auto at = text.find(head);
@@ -263,6 +276,27 @@ TEST(SceneInWords, IsTheSceneInTheWordsOfOthers) {
   EXPECT_NEAR(t / time, 1, 1e-3 + p);
   EXPECT_NEAR(v / value("contact", 3), 1, 2 * p);
 
+  // The same of masses that are given: each model but for the command that it names.
+  Words given{"simulate"};
+  std::istringstream words(options);
+  for (std::string word; words >> word;) given.push_back(word);
+  EXPECT_EQ(run_fracfit(joined(given, {"--print", "options"})).output, options);
+  const auto without_command = [](const std::string& model) {
+    return model.substr(0, model.find("fracfit ")) + model.substr(model.find_first_of("\"\n", model.find("fracfit ")));
+  };
+  EXPECT_EQ(without_command(run_fracfit(joined(given, {"--print", "modelica"})).output), without_command(modelica));
+  EXPECT_EQ(without_command(run_fracfit(joined(given, {"--print", "mjcf"})).output), without_command(mjcf));
+  const Words drive{"simulate", "--inertia1", "0.2",     "--inertia2",    "0.01", "--gear-ratio",  "5",
+                    "--quiet",  "--print",    "options", "--gap-degrees", "18",   "--restitution", "0.5"};
+  const std::string converted = run_fracfit(drive).output;
+  EXPECT_EQ(number_after(converted, "--mass2 "), 0.25);
+  EXPECT_NEAR(number_after(converted, "--clearance "), std::numbers::pi / 10, 1e-15);
+  const Words rigid{"simulate", "--clearance", "1", "--restitution", "0.5", "--print", "modelica"};
+  EXPECT_NE(run_fracfit(rigid).error.find("contacts of a simulator have a stiffness"), std::string::npos);
+  EXPECT_EQ(run_fracfit(rigid).code, 2);
+  EXPECT_EQ(run_fracfit(joined(drive, {"--force", "1"})).code, 2);
+  EXPECT_EQ(run_fracfit(joined(drive, {"--clearance", "1,2"})).code, 2);
+
   const std::string hard = folder.path("hard.csv");
   ASSERT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega",
                          "18:30:12", "--out", hard})
@@ -272,6 +306,62 @@ TEST(SceneInWords, IsTheSceneInTheWordsOfOthers) {
       run_fracfit({"identify-scene", hard, "--fix", "mass1=1", "--contact", "hard", "--quiet", "--print", "modelica"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.error.find("the contact of the estimate takes no time"), std::string::npos) << refused.error;
+}
+
+// The torque K2 (1 + 1/(T s)) (K1 (r - x1) - s x2) by small steps h. The jump c v of the force where a contact begins
+// within one is late by a part of it: the speeds, of which none is above 1, err by c v h/m = 3e-5 each time at most,
+// and positions by that over the some 0.3 s that the loop takes to return.
+TEST(Loop, ASpeedControllerOfTheMotorIsAReceptance) {
+  constexpr double k1 = 2, k2 = 3, t = 0.5, mass1 = 0.5, mass2 = 1, gap = 0.1, stiffness = 2000, damping = 5;
+  using State = std::array<double, 5>;  // x1, v1, x2, v2, integral of the speed error
+  const auto rate = [&](const State& z) {
+    const double y = z[2] - z[0], wall = y > 0 ? 1 : -1, overlap = wall * y - gap / 2;
+    const double press = overlap > 0 ? wall * std::max(0.0, stiffness * overlap + damping * wall * (z[3] - z[1])) : 0;
+    const double error = k1 * (1 - z[0]) - z[3];
+    return State{z[1], press / mass1, z[3], (k2 * (error + z[4] / t) - press) / mass2, error};
+  };
+  const auto moved = [](State z, const State& by, double h) {
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += h * by[i];
+    return z;
+  };
+  const auto rows = rows_of({"loop",
+                             "--controller",
+                             "2 (3 + 3/(0.5 s))",
+                             "--drive-receptance",
+                             "1/(s^2 + 3 s + 3/0.5)",
+                             "--mass1",
+                             "0.5",
+                             "--clearance",
+                             "0.1",
+                             "--contact-stiffness",
+                             "2000",
+                             "--contact-damping",
+                             "5",
+                             "--setpoint-step",
+                             "1",
+                             "--duration",
+                             "3",
+                             "--every",
+                             "0.5",
+                             "--impacts",
+                             "1000",
+                             "--format",
+                             "csv"});
+  State z{};
+  constexpr double h = 2e-6;
+  int compared = 0;
+  for (int step = 0; step <= 1'500'000; ++step) {
+    if (step % 250'000 == 0) {
+      const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& of) { return of[0] == step / 5e5; });
+      ASSERT_NE(row, rows.end()) << step;
+      EXPECT_NEAR((*row)[1], z[0], 1e-5) << step;
+      EXPECT_NEAR((*row)[3], z[2], 1e-5) << step;
+      ++compared;
+    }
+    const State a = rate(z), b = rate(moved(z, a, h / 2)), c = rate(moved(z, b, h / 2)), d = rate(moved(z, c, h));
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] += h / 6 * (a[i] + 2 * b[i] + 2 * c[i] + d[i]);
+  }
+  EXPECT_EQ(compared, 7);
 }
 
 TEST(Loop, FollowsConstantForces) {

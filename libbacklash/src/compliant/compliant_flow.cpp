@@ -74,6 +74,9 @@ CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_poin
       half_gap_(0.5 * loop.bodies().system().clearance()),
       harmonics_(0) {
   const TwoMassSystem& system = bodies_.system();
+  if (loop.controller().delay() > 0)
+    throw std::invalid_argument("the controller has a dead time of " + text(loop.controller().delay()) +
+                                " s; around contacts that take time a loop has none, but in a computer");
   require_followed(bodies_, pace_, "the crossover of the rigid loop");
   memory_[0] = place(bodies_.hard().load(), system.mass1(), tolerance, 1.0 / 3);
   memory_[1] = place(bodies_.hard().drive(), system.mass2(), tolerance, 2.0 / 3);
@@ -89,6 +92,22 @@ CompliantFlow::CompliantFlow(const CompliantLoop& loop, const SetPoint& set_poin
   if (lagged_ >= 0) sizes_[lagged_] = swing;
   for (Index i = 0; i < size_; ++i)
     if (i < cosine || i > one) repeating_.push_back(i);
+}
+
+// The force is the cosine of an angle that stands still.
+CompliantFlow::CompliantFlow(const CompliantBodies& bodies, const HeldForce& force, const Disturbance& disturbance)
+    : bodies_(bodies),
+      force_{force.size, 0},
+      output_(Output::x1),
+      disturbance_(disturbance),
+      pace_(force.pace),
+      half_gap_(0.5 * bodies.system().clearance()),
+      harmonics_(0) {
+  require_followed(bodies_, pace_, "the crossover of the rigid loop");
+  constexpr double tolerance = 1e-9;
+  memory_[0] = place(bodies.hard().load(), bodies.system().mass1(), tolerance, 1.0 / 3);
+  memory_[1] = place(bodies.hard().drive(), bodies.system().mass2(), tolerance, 2.0 / 3);
+  choose_sizes(force.swing, force.size);
 }
 
 // Of the gap also the overlap under the force.
@@ -284,6 +303,10 @@ void CompliantFlow::strike_drive(Eigen::VectorXd& state, double velocity) const 
 void CompliantFlow::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
   state[reference_ + 1] += change_of_slope;
   if (lagged_ < 0) controller_->kick(state, 2, change_of_slope);
+}
+
+void CompliantFlow::hold_force(Eigen::VectorXd& state, double force) const {
+  state[cosine] = force / force_.amplitude;
 }
 
 int CompliantFlow::limit_of(const Eigen::VectorXd& state) const {

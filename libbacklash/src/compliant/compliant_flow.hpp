@@ -37,6 +37,13 @@ struct CompliantMode {
 /// @throws std::invalid_argument  sqrt(k/m) above 10^6 omega, or c/m above 10^9 omega.
 void require_followed(const CompliantBodies& bodies, double omega, const char* meaning = "omega");
 
+/// A force on body 2 that is held for a while each, what moves fast with it, and how far.
+struct HeldForce {
+  double size;   // N
+  double pace;   // rad/s
+  double swing;  // m
+};
+
 /// The bodies as z' = A z, one A for each combination of contact, sliding and limit of the force: z holds gap and its
 /// rate, position and velocity of body 1, cos and sin of the angle of the force or of the set-point, 1, what friction
 /// and springs remember, and W' = j k omega W + v for the harmonics k of a force that are asked for, or the set-point
@@ -52,6 +59,9 @@ class CompliantFlow {
   /// @param fastest    rad/s, of contacts whose frequencies are to be among them
   CompliantFlow(const CompliantLoop& loop, const SetPoint& set_point, double force_limit, double tolerance,
                 double fastest = 0, const Disturbance& disturbance = {});
+
+  /// Under hold_force().
+  CompliantFlow(const CompliantBodies& bodies, const HeldForce& force, const Disturbance& disturbance);
 
   using Row = Eigen::RowVectorXd;
   struct Linear {
@@ -82,6 +92,7 @@ class CompliantFlow {
   [[nodiscard]] Eigen::VectorXd meeting(const SymmetricCycle& cycle) const;
   /// The slope of the set-point changes.
   void set_point_bends(Eigen::VectorXd& state, double change_of_slope) const;
+  void hold_force(Eigen::VectorXd& state, double force) const;
   /// Of the force wanted in that state.
   [[nodiscard]] int limit_of(const Eigen::VectorXd& state) const;
   [[nodiscard]] static LoopStart positions(const Eigen::VectorXd& state);

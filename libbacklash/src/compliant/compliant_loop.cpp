@@ -9,20 +9,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/check.hpp"
 #include "compliant_rows.hpp"
 #include "compliant_run.hpp"
 #include "loops/motions/loop_run.hpp"
+#include "loops/motions/sampled_controller.hpp"
 
 namespace backlash {
 namespace {
-
-const ControlLoop& without_dead_time(const ControlLoop& loop) {
-  if (loop.controller().delay() > 0)
-    throw std::invalid_argument("the controller has a dead time of " + detail::text(loop.controller().delay()) +
-                                " s; around contacts that take time a loop has none");
-  return loop;
-}
 
 CompliantLoopRow loop_row(const detail::CompliantRun& run, CompliantEvent event) {
   const detail::CompliantFlow& flow = run.flow();
@@ -48,6 +41,18 @@ Bends bends_of(const SetPoint& set_point) {
     bends.fastest += std::abs(next);
   }
   return bends;
+}
+
+// m/s; rounding hides the gap from there on.
+double largest_speed(const detail::CompliantFlow& flow, const LoopStart& start, const SetPoint& set_point,
+                     const Disturbance& disturbance) {
+  constexpr double farthest = 1e9;
+  const TwoMassSystem& system = flow.bodies().system();
+  const double pushed =
+      std::abs(disturbance.body1) / system.mass1() + std::abs(disturbance.body2) / system.mass2();  // m/s^2
+  return farthest * (flow.pace() * (system.clearance() + std::abs(set_point.step)) + pushed / flow.pace() +
+                     std::abs(start.v1) + std::abs(start.v2) + std::abs(set_point.ramp) + bends_of(set_point).fastest +
+                     std::abs(set_point.sine_amplitude) * set_point.sine_omega);
 }
 
 // At rest; infinite where that is an integral.
@@ -92,8 +97,40 @@ std::optional<RestRange> range_of(const std::vector<HalfPlane>& planes, double s
 }  // namespace
 
 CompliantLoop::CompliantLoop(CompliantBodies bodies, frac::FractionalTransferFunction controller, Output measured)
-    : bodies_(std::move(bodies)),
-      hard_(without_dead_time(ControlLoop(bodies_.hard(), std::move(controller), measured))) {}
+    : bodies_(std::move(bodies)), hard_(bodies_.hard(), std::move(controller), measured) {}
+
+CompliantLoopHistory simulate_sampled_loop(const CompliantLoop& loop, const SampledLoopOptions& options) {
+  detail::SampledController controller(loop.hard(), options);
+  const TwoMassSystem& system = loop.bodies().system();
+  const double pace = detail::crossover(loop.hard());
+  const double swing = std::max(system.clearance(), std::abs(options.set_point.step));
+  const detail::CompliantFlow flow(
+      loop.bodies(), {(system.mass1() + system.mass2()) * swing * pace * pace, pace, swing}, options.disturbance);
+  const LoopStart start{0, options.velocity1, 0, options.velocity2};
+  Eigen::VectorXd state = flow.start(start);
+  flow.hold_force(state, 0);
+  detail::CompliantRun run(flow, state, flow.mode_of(state));
+  run.set_bound(largest_speed(flow, start, options.set_point, options.disturbance));
+  CompliantLoopHistory history{{}, 0, LoopEnd::duration, options.duration, flow.error()};
+  const auto end_at = [&](LoopEnd end) {
+    history.end = end;
+    history.end_time = run.time();
+    history.contacts = static_cast<std::size_t>(run.contacts());
+    return history;
+  };
+  for (std::size_t n = 0;; ++n) {
+    const LoopStart at = detail::CompliantFlow::positions(run.state());
+    const double force = controller.step(n, at.x1, at.x2);
+    run.hold_force(force);
+    history.rows.push_back({detail::row_of(run, run.time(), CompliantEvent::sample), force});
+    if (n == controller.samples()) return end_at(LoopEnd::duration);
+    for (int events = 0; run.time() < controller.time(n + 1); ++events) {
+      run.advance(controller.time(n + 1));
+      if (run.has_escaped()) return end_at(LoopEnd::diverged);
+      if (run.is_spent() || events > detail::CompliantRun::most_events) return end_at(LoopEnd::most_flights);
+    }
+  }
+}
 
 CompliantLoopHistory simulate_loop(const CompliantLoop& loop, const LoopStart& start, const SetPoint& set_point,
                                    const LoopSimulationOptions& options) {
@@ -104,16 +141,8 @@ CompliantLoopHistory simulate_loop(const CompliantLoop& loop, const LoopStart& s
   const detail::CompliantFlow flow(loop, set_point, options.force_limit, options.tolerance, 0, options.disturbance);
   const Eigen::VectorXd state = flow.start(start);
   detail::CompliantRun run(flow, state, flow.mode_of(state));
+  run.set_bound(largest_speed(flow, start, set_point, options.disturbance));
   const Bends bends = bends_of(set_point);
-  // Rounding hides the gap from there on.
-  constexpr double farthest = 1e9;
-  const TwoMassSystem& system = loop.bodies().system();
-  const double clearance = system.clearance();
-  const double pushed = std::abs(options.disturbance.body1) / system.mass1() +
-                        std::abs(options.disturbance.body2) / system.mass2();  // m/s^2
-  run.set_bound(farthest * (flow.pace() * (clearance + std::abs(set_point.step)) + pushed / flow.pace() +
-                            std::abs(start.v1) + std::abs(start.v2) + std::abs(set_point.ramp) + bends.fastest +
-                            std::abs(set_point.sine_amplitude) * set_point.sine_omega));
   CompliantLoopHistory history{{}, 0, LoopEnd::duration, options.duration, flow.error()};
   const auto end_at = [&](LoopEnd end) {
     history.end = end;

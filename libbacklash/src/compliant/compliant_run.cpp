@@ -157,6 +157,12 @@ void CompliantRun::bend_set_point(double change_of_slope) {
   settle_slides();
 }
 
+void CompliantRun::hold_force(double force) {
+  flow_->hold_force(state_, force);
+  flights_ = 0;
+  settle_slides();
+}
+
 // Flights of realised powers err by more than rounding, also of bodies that rest.
 void CompliantRun::hold_still(double place, double gap) {
   double &x1 = state_[CompliantFlow::x1], &v1 = state_[CompliantFlow::v1];

@@ -58,6 +58,8 @@ class CompliantRun {
   [[nodiscard]] bool is_spent() const noexcept { return flights_ >= most_flights; }
   /// The slope of a loop's set-point changes.
   void bend_set_point(double change_of_slope);
+  /// Of a flow with a HeldForce.
+  void hold_force(double force);
 
   /// From now on: d state/d state then, over flights and events, for changes that leave bodies at rest where they
   /// stick.

@@ -90,12 +90,23 @@ CompliantRun from_symmetric(const CompliantFlow& flow, const SymmetricCompliantO
       orbit.angle);
 }
 
+// Of an orbit of other friction: of a body without any the mode knows no direction of sliding.
+CompliantMode mode_in(const CompliantFlow& flow, const CompliantOrbit& orbit) {
+  CompliantMode mode = orbit.mode;
+  const LoopStart at = CompliantFlow::positions(orbit.state);
+  for (int body = 0; body < 2; ++body) {
+    int& slide = mode.slide[static_cast<std::size_t>(body)];
+    if (flow.friction(body) > 0 && slide * (body == 0 ? at.v1 : at.v2) < 0) slide = -slide;
+  }
+  return mode;
+}
+
 std::optional<CompliantOrbit> orbit_of(const CompliantFlow& flow, const FrictionGroups& groups, FrictionStart start,
                                        const FoundOrbit& found) {
   switch (start) {
     case FrictionStart::found: {
       if (!found) return std::nullopt;
-      auto orbit = closed_orbit(flow, found->state, found->mode, 1);
+      auto orbit = closed_orbit(flow, found->state, mode_in(flow, *found), 1);
       return is_steady(orbit) ? orbit : std::nullopt;
     }
     case FrictionStart::symmetric: {
@@ -147,7 +158,7 @@ std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Read r
   const Complex to_n = flow.omega() / (std::numbers::pi * Complex(0, read.harmonic * flow.omega()) * flow.force());
   const auto by = [&](const FrictionGroups& other, double step) {
     const CompliantFlow beside = flow_of(units(other), read);
-    CompliantRun changed(beside, orbit->state, orbit->mode);
+    CompliantRun changed(beside, orbit->state, mode_in(beside, *orbit));
     changed.follow(1);
     Eigen::VectorXd moved(count);
     for (Index i = 0; i < count; ++i) {

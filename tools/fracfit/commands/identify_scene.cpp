@@ -84,9 +84,7 @@ class IdentifyScene : public Command {
            "Also rank static backlash, fractional and integer-order structures on the same points")
         .not_with({"--load-receptance"}, "the ranking is against free masses")
         .not_with({"--drive-receptance"}, "the ranking is against free masses");
-    o.choice("--print", print_, all_scene_words,
-             "Print the estimate alone, in these words: options of this program, a model of Modelica or of MuJoCo",
-             "WORDS")
+    o.choice("--print", print_, all_scene_words)
         .not_with({"--load-receptance"}, "which prints two masses")
         .not_with({"--drive-receptance"}, "which prints two masses")
         .not_with({"--compare"}, "whose ranking it leaves out")
@@ -238,11 +236,22 @@ class IdentifyScene : public Command {
     complete(run);
     if (print_) {
       const int code = outcome(result);
-      if (code == usable_result) write(scene_in(*print_, result, run.command));
+      if (code == usable_result) write(printed(result, run.command));
       return code;
     }
     write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
     return outcome(result);
+  }
+
+  [[nodiscard]] std::string printed(const backlash::SceneIdentification& scene, const std::string& command) const {
+    const auto contact = scene.compliant_contact();
+    if (!contact && *print_ != SceneWords::options)
+      throw std::runtime_error("no model of " + std::string(to_string(*print_)) +
+                               ": the contact of the estimate takes no time, and those of a simulator have a "
+                               "stiffness; give one by --fix contact_time=T");
+    backlash::CoulombFriction friction;
+    for (const auto& each : scene.friction) (each.name == "friction1" ? friction.body1 : friction.body2) = each.value;
+    return scene_in(*print_, scene.system(), contact, friction, command);
   }
 
   // Says what was read from the files.

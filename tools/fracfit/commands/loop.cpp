@@ -38,8 +38,8 @@ class LoopCommand : public Command {
     o.parsed("--setpoint-sine", sine_, sine_of, "A sine in it, m and rad/s", "AMPLITUDE:OMEGA").default_is("none");
     o.text("--setpoint-file", set_point_file_,
            "Columns time_s, input (m); straight from row to row, the first at time 0", "FILE");
-    o.number("--disturbance1", options_of_run_.disturbance.body1, "Constant force on body 1 from t = 0 on, N", "F")
-        .not_with({"--sample-time"}, "whose forces act on body 2");
+    o.number("--disturbance1", options_of_run_.disturbance.body1,
+             "Constant force on body 1 from t = 0 on, N; with --sample-time where contacts take time", "F");
     o.number("--disturbance2", options_of_run_.disturbance.body2, "That on body 2, N", "F");
     o.number("--velocity1", start_.v1, "x1' at the start, m/s", "V");
     o.number("--velocity2", start_.v2, "x2' at the start, m/s", "V");
@@ -65,7 +65,6 @@ class LoopCommand : public Command {
     for (const char* name : {"--setpoint-sine", "--setpoint-file"}) o[name].not_with({"--sample-time"}, has_line);
     o["--tolerance"].not_with({"--whole-memory"}, "which is exact");
     CompliantOptions::exclude(o["--whole-memory"], "whose contacts take time");
-    CompliantOptions::exclude(o["--sample-time"], "whose contacts take time");
     o.flag("--record", is_record_, "Write a record as a rig does: time, force and positions every DT, no events")
         .not_with({"--sample-time"}, "whose rows are the samples of its computer");
     record_.add(o, "--record");
@@ -128,18 +127,44 @@ class LoopCommand : public Command {
     write(text_of(document, format(), command_line()));
   }
 
+  void write_rows(const std::vector<backlash::CompliantLoopRow>& rows, const io::Metadata& head) {
+    Document document{head,
+                      {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event", "contact", "contact_force_n"},
+                       rows.size(),
+                       {}}};
+    document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+      const backlash::CompliantLoopRow& row = rows[i];
+      for (const double value : {row.time, row.x1, row.v1, row.x2, row.v2, row.force}) cells.emplace_back(value);
+      cells.emplace_back(std::string(backlash::to_string(row.event)));
+      cells.emplace_back(contact_word(row.wall));
+      cells.emplace_back(row.contact_force);
+    };
+    write(text_of(document, format(), command_line()));
+  }
+
   int run_sampled() {
     sampled_.duration = options_of_run_.duration;
     sampled_.velocity1 = start_.v1;
     sampled_.velocity2 = start_.v2;
     sampled_.set_point = set_point_;
     sampled_.force_limit = options_of_run_.force_limit;
-    sampled_.disturbance = options_of_run_.disturbance.body2;
+    sampled_.disturbance = options_of_run_.disturbance;
+    const auto say_note = [&](const backlash::ControlLoop& loop) {
+      const frac::FractionalPidDesign design(backlash::sampled_controller(loop, sampled_));
+      if (!design.note().empty()) say(design.note());
+    };
+    if (contact_.are_given(options())) {
+      const backlash::CompliantLoop loop = loop_.loop(contact_);
+      const backlash::CompliantLoopHistory history = backlash::simulate_sampled_loop(loop, sampled_);
+      write_rows(history.rows, head_of(loop, history));
+      say_end(history.end, history.end_time, history.realisation_error);
+      say_note(loop.hard());
+      return usable_result;
+    }
     const backlash::ControlLoop loop = loop_.loop();
     const backlash::SampledLoopHistory history = backlash::simulate_sampled_loop(loop, sampled_);
     write_rows(history.rows, {{"impacts", std::to_string(history.impacts)}});
-    const frac::FractionalPidDesign design(backlash::sampled_controller(loop, sampled_));
-    if (!design.note().empty()) say(design.note());
+    say_note(loop);
     return usable_result;
   }
 
@@ -192,31 +217,25 @@ class LoopCommand : public Command {
     return {{"rest_from_m", io::format_number(range.from)}, {"rest_to_m", io::format_number(range.to)}};
   }
 
+  [[nodiscard]] io::Metadata head_of(const backlash::CompliantLoop& loop,
+                                     const backlash::CompliantLoopHistory& history) const {
+    io::Metadata head{{"contacts", std::to_string(history.contacts)}};
+    begin_head(history, head);
+    for (auto& entry : contact_entries(loop.bodies())) head.push_back(std::move(entry));
+    for (auto& entry : rest_entries(loop)) head.push_back(std::move(entry));
+    return head;
+  }
+
   int run_compliant() {
     const backlash::CompliantLoop loop = loop_.loop(contact_);
     const double every = options_of_run_.sample_time;
     if (is_record_) options_of_run_.sample_time = every / backlash::loop_rows_per_sample;
     const backlash::CompliantLoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
-    io::Metadata head{{"contacts", std::to_string(history.contacts)}};
-    begin_head(history, head);
-    for (auto& entry : contact_entries(loop.bodies())) head.push_back(std::move(entry));
-    for (auto& entry : rest_entries(loop)) head.push_back(std::move(entry));
+    const io::Metadata head = head_of(loop, history);
     if (is_record_) {
       write_record(history, head, every);
     } else {
-      Document document{
-          head,
-          {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event", "contact", "contact_force_n"},
-           history.rows.size(),
-           {}}};
-      document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
-        const backlash::CompliantLoopRow& row = history.rows[i];
-        for (const double value : {row.time, row.x1, row.v1, row.x2, row.v2, row.force}) cells.emplace_back(value);
-        cells.emplace_back(std::string(backlash::to_string(row.event)));
-        cells.emplace_back(contact_word(row.wall));
-        cells.emplace_back(row.contact_force);
-      };
-      write(text_of(document, format(), command_line()));
+      write_rows(history.rows, head);
     }
     say_end(history.end, history.end_time, history.realisation_error);
     return usable_result;

@@ -13,6 +13,7 @@
 #include "io/progress_bar.hpp"
 #include "options/loop_options.hpp"
 #include "options/scene_options.hpp"
+#include "output/scene_export.hpp"
 #include "output/sweep_output.hpp"
 
 namespace fracfit {
@@ -53,6 +54,13 @@ class Simulate : public SweepCommand {
         .not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
     add_progress();
     add_common({"csv", "json", "table"});
+    o.choice("--print", print_, all_scene_words, "without --force and --omega")
+        .not_with(is_static, "which has no motion to print");
+    for (const char* sweeps : {"--force", "--omega", "--body", "--quantity", "--protocol", "--orbit-tolerance",
+                               "--diagnostics", "--shard", "--progress", "--format"})
+      o[sweeps].not_with({"--print"}, "which prints the masses alone");
+    for (const char* receptance : {"--load-receptance", "--drive-receptance"})
+      o[receptance].not_with({"--print"}, "which prints two masses");
     set_footer(
         "Into a file the rows go as they come: FILE.partial holds them until FILE stands, and the same command goes "
         "on\n"
@@ -79,9 +87,32 @@ class Simulate : public SweepCommand {
   int run() override {
     if (std::isnan(mass1_)) mass1_ = 1;
     if (std::isnan(mass2_)) mass2_ = 1;
+    if (print_) return print();
     if (motion_ == "dynamic" && contact_.are_given(options())) return run_compliant();
     if (!load_ && !drive_) return motion_ == "static" ? run_static() : run_dynamic();
     return run_bodies();
+  }
+
+  int print() {
+    const auto refuse = [this](const char* why) {
+      throw std::invalid_argument("--print " + std::string(to_string(*print_)) + why);
+    };
+    const bool is_compliant = contact_.are_given(options());
+    if (clearance_.size() > 1 || restitution_.size() > 1 || (is_compliant && contact_.values().size() > 1))
+      refuse(" takes one clearance and one contact");
+    if (!is_compliant && *print_ != SceneWords::options)
+      refuse(": contacts of a simulator have a stiffness; give one in place of --restitution");
+    std::optional<backlash::CompliantContact> contact;
+    backlash::CoulombFriction friction;
+    if (is_compliant) {
+      const auto bodies =
+          contact_.bodies(backlash::free_mass(mass1_), backlash::free_mass(mass2_), clearance_.front()).front();
+      contact = bodies.contact();
+      friction = bodies.friction();
+    }
+    const backlash::TwoMassSystem system(mass1_, mass2_, clearance_.front(), is_compliant ? 1 : restitution_.front());
+    write(scene_in(*print_, system, contact, friction, command_line()));
+    return usable_result;
   }
 
   [[nodiscard]] PointColumns columns() const {
@@ -221,6 +252,7 @@ class Simulate : public SweepCommand {
   std::string motion_ = "dynamic";
   backlash::SweepOptions sweep_;
   bool diagnostics_ = false;
+  std::optional<SceneWords> print_;
 };
 
 }  // namespace

@@ -320,12 +320,14 @@ class Tune : public Command {
              "Largest |T| = |L/(1 + L)|", "MT");
     o.parsed("--high-frequency", asked_.high_frequency, gain_bound_of, "|T| <= GAIN from W on (noise)", "W:GAIN");
     o.parsed("--low-frequency", asked_.low_frequency, gain_bound_of, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
-    o.choice("--structure", tuning_.structure, frac::controller_structures(), "Terms of the controller", "NAME");
+    o.choice("--structure", tuning_.structure, frac::controller_structures(),
+             "Terms of the controller; series: a PID with real zeros, as of a cascade", "NAME");
     o.parsed("--lambda", tuning_.lambda, order_range_of, "or its range LOW:HIGH").default_is("0.1:1.9");
     o.parsed("--mu", tuning_.mu, order_range_of,
              "or its range LOW:HIGH. Never above what leaves the loop falling as s^-0.2 at high frequency: beyond that "
              "no dead time or lag is small enough to be left out of the plant; a derivative filter adds 1")
         .default_is("0.1:1.9");
+    for (const char* order : {"--lambda", "--mu"}) o[order].not_with({"--structure", {"series"}}, "whose orders are 1");
     o.number("--derivative-filter", tuning_.derivative_filter_time);
     o.choice("--minimise", tuning_.criterion, frac::tuning_criteria(),
              "What is made least, max |S| or the integral of |error| or of t |error|", "NAME");

@@ -68,6 +68,8 @@ const Meaning& meaning_of(std::string_view name) {
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
       {"--component", "PART", "Part of the response that is fitted"},
       {"--fit", "FILE", "Result of fracfit fit as JSON: its model, parameters and their covariance"},
+      {"--print", "WORDS",
+       "Print the two masses alone, in these words: options of this program, a model of Modelica or of MuJoCo"},
       {"--friction", "FRICTION", "Whether masses have dry friction"},
       {"--contact", "CONTACT", "Whether contacts are hard (take no time) or have stiffness and damping"},
       {"--weight", "WEIGHT", "What residuals are divided by"},

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/scene_export.hpp"
 
-#include <optional>
-#include <stdexcept>
+#include <cassert>
 
-#include "backlash/compliant/compliant_bodies.hpp"
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
 #include "report/html.hpp"
@@ -92,16 +90,11 @@ std::string_view to_string(SceneWords words) {
   return words == SceneWords::options ? "options" : words == SceneWords::modelica ? "modelica" : "mjcf";
 }
 
-std::string scene_in(SceneWords words, const backlash::SceneIdentification& scene, const std::string& command) {
-  const backlash::TwoMassSystem system = scene.system();
-  const auto contact = scene.compliant_contact();
-  backlash::CoulombFriction friction;
-  for (const auto& each : scene.friction) (each.name == "friction1" ? friction.body1 : friction.body2) = each.value;
+std::string scene_in(SceneWords words, const backlash::TwoMassSystem& system,
+                     const std::optional<backlash::CompliantContact>& contact,
+                     const backlash::CoulombFriction& friction, const std::string& command) {
   if (words == SceneWords::options) return options_of(system, contact, friction);
-  if (!contact)
-    throw std::runtime_error("no model of " + std::string(to_string(words)) +
-                             ": the contact of the estimate takes no time, and those of a simulator have a stiffness; "
-                             "give one by --fix contact_time=T");
+  assert(contact);
   return words == SceneWords::modelica ? modelica_of(system, *contact, friction, command)
                                        : mjcf_of(system, *contact, friction, command);
 }

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
-#include "backlash/identification/scene_identification.hpp"
+#include "backlash/compliant/compliant_bodies.hpp"
 
 namespace fracfit {
 
@@ -14,10 +15,11 @@ enum class SceneWords { options, modelica, mjcf };
 [[nodiscard]] std::string_view to_string(SceneWords words);
 inline constexpr std::array all_scene_words = {SceneWords::options, SceneWords::modelica, SceneWords::mjcf};
 
-/// The scene at the estimate; the page on identifying scenes derives what its parameters mean there.
-/// @param command  that made it
-/// @throws std::runtime_error  words of a simulator, whose contacts take time, for a contact that does not.
-[[nodiscard]] std::string scene_in(SceneWords words, const backlash::SceneIdentification& scene,
-                                   const std::string& command);
+/// Two masses in those words; the page on identifying scenes derives what their parameters mean there.
+/// @param contact  where it takes time, in place of the restitution; words of a simulator need one
+/// @param command  that made them
+[[nodiscard]] std::string scene_in(SceneWords words, const backlash::TwoMassSystem& system,
+                                   const std::optional<backlash::CompliantContact>& contact,
+                                   const backlash::CoulombFriction& friction, const std::string& command);
 
 }  // namespace fracfit

@@ -1073,7 +1073,7 @@ def tune(
         Largest ``|S|`` and ``|T|``.
     high_frequency, low_frequency : (float, float), optional
         (omega, gain): ``|T| <= gain`` from omega on; ``|S| <= gain`` up to omega.
-    structure : {"pid", "pi", "pd"}
+    structure : {"pid", "pi", "pd", "series"}
         Which parts the controller has.
     lambda_, mu : float or (float, float)
         Orders, held or within a range.

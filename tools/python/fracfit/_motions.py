@@ -446,7 +446,7 @@ def loop(
         s: the set-point passes 1/(setpoint_lag s + 1) first. A position controller K1 around a speed controller K2 (1 + 1/(T s)) is the
         controller ``(K1 + s) (K2 + K2/(T s))`` with the lag 1/K1.
     disturbance1, disturbance2 : float
-        N: constant forces on the bodies from time 0 on.
+        N: constant forces on the bodies from time 0 on; with sample_time on the first where contacts take time.
     duration, every : float
         s: time to follow, and between rows besides two per impact (0: none).
     sample_time : float, optional
@@ -493,14 +493,11 @@ def loop(
     if sample_time is not None and (setpoint_sine is not None or setpoint is not None or whole_memory):
         wrong = "whole_memory" if whole_memory else "setpoint_sine" if setpoint_sine is not None else "setpoint"
         raise ValueError(f"{wrong} has no meaning with sample_time, a controller in a computer")
-    if sample_time is not None and disturbance1 != 0:
-        raise ValueError("disturbance1 has no meaning with sample_time, whose forces act on body 2")
     if sample_time is None and encoder_step != 0:
         raise ValueError("encoder_step has no meaning without sample_time, whose computer reads an encoder")
     contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
-    if contact is not None and (sample_time is not None or whole_memory):
-        wrong = "whole_memory" if whole_memory else "sample_time"
-        raise ValueError(f"{wrong} has no meaning with contact_stiffness, whose contacts take time")
+    if contact is not None and whole_memory:
+        raise ValueError("whole_memory has no meaning with contact_stiffness, whose contacts take time")
     if flag(record, "record") and sample_time is not None:
         raise ValueError("record has no meaning with sample_time, whose rows are the samples of its computer")
     if record and not number(every, "every") > 0:

@@ -116,6 +116,20 @@ backlash::SetPoint set_point_of(const py::dict& given) {
   return set_point;
 }
 
+template <class History>
+py::dict dict_of_history(const History& history) {
+  py::dict result = dict_of_rows(history.rows);
+  if constexpr (std::is_same_v<History, backlash::CompliantLoopHistory>)
+    result["impacts"] = history.contacts;
+  else
+    result["impacts"] = history.impacts.size();
+  result["end"] = std::string(backlash::to_string(history.end));
+  result["end_time"] = history.end_time;
+  result["realisation_error"] = history.realisation_error;
+  result["note"] = "";
+  return result;
+}
+
 // Of a motion followed from impact to impact, or from event to event.
 template <class Loop>
 py::dict followed(const Loop& loop, const backlash::SetPoint& set_point, const py::dict& given) {
@@ -140,24 +154,11 @@ py::dict followed(const Loop& loop, const backlash::SetPoint& set_point, const p
         result_of([&](frac::Progress&) { return rig_record(backlash::rig_motion(history.rows, set_point), sensors); });
     return dict_of(std::move(record), sensors.sample_time, history.end == backlash::LoopEnd::duration);
   }
-  py::dict result = dict_of_rows(history.rows);
-  if constexpr (std::is_same_v<Loop, backlash::CompliantLoop>)
-    result["impacts"] = history.contacts;
-  else
-    result["impacts"] = history.impacts.size();
-  result["end"] = std::string(backlash::to_string(history.end));
-  result["end_time"] = history.end_time;
-  result["realisation_error"] = history.realisation_error;
-  result["note"] = "";
-  return result;
+  return dict_of_history(history);
 }
 
-py::dict simulated(const frac::FractionalTransferFunction& controller, const py::dict& bodies, const py::dict& given) {
-  const backlash::SetPoint set_point = set_point_of(given);
-  if (const auto compliant = compliant_of(bodies))
-    return followed(backlash::CompliantLoop(*compliant, controller, body_of(bodies)), set_point, given);
-  const backlash::ControlLoop loop = loop_of(controller, bodies);
-  if (given["sample_time"].is_none()) return followed(loop, set_point, given);
+template <class Loop>
+py::dict sampled(const Loop& loop, const backlash::SetPoint& set_point, const py::dict& given) {
   const auto number = [&](const char* key) { return given[key].cast<double>(); };
   backlash::SampledLoopOptions options;
   options.sample_time = number("sample_time");
@@ -167,18 +168,33 @@ py::dict simulated(const frac::FractionalTransferFunction& controller, const py:
   options.velocity2 = number("velocity2");
   options.encoder_step = number("encoder_step");
   options.set_point = set_point;
-  options.disturbance = given["disturbance"].cast<std::pair<double, double>>().second;
-  const auto [history, note] = result_of([&](frac::Progress&) {
-    return std::pair(backlash::simulate_sampled_loop(loop, options),
-                     frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note());
-  });
-  py::dict result = dict_of_rows(history.rows);
-  result["impacts"] = history.impacts;
-  result["end"] = std::string(backlash::to_string(backlash::LoopEnd::duration));
-  result["end_time"] = options.duration;
-  result["realisation_error"] = 0.0;
-  result["note"] = note;
+  std::tie(options.disturbance.body1, options.disturbance.body2) =
+      given["disturbance"].cast<std::pair<double, double>>();
+  py::dict result;
+  const auto history = result_of([&](frac::Progress&) { return backlash::simulate_sampled_loop(loop, options); });
+  if constexpr (std::is_same_v<Loop, backlash::CompliantLoop>) {
+    result = dict_of_history(history);
+    result["note"] = frac::FractionalPidDesign(backlash::sampled_controller(loop.hard(), options)).note();
+  } else {
+    result = dict_of_rows(history.rows);
+    result["impacts"] = history.impacts;
+    result["end"] = std::string(backlash::to_string(backlash::LoopEnd::duration));
+    result["end_time"] = options.duration;
+    result["realisation_error"] = 0.0;
+    result["note"] = frac::FractionalPidDesign(backlash::sampled_controller(loop, options)).note();
+  }
   return result;
+}
+
+py::dict simulated(const frac::FractionalTransferFunction& controller, const py::dict& bodies, const py::dict& given) {
+  const backlash::SetPoint set_point = set_point_of(given);
+  const bool is_sampled = !given["sample_time"].is_none();
+  if (const auto compliant = compliant_of(bodies)) {
+    const backlash::CompliantLoop loop(*compliant, controller, body_of(bodies));
+    return is_sampled ? sampled(loop, set_point, given) : followed(loop, set_point, given);
+  }
+  const backlash::ControlLoop loop = loop_of(controller, bodies);
+  return is_sampled ? sampled(loop, set_point, given) : followed(loop, set_point, given);
 }
 
 }  // namespace

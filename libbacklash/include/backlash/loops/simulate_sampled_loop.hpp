@@ -20,7 +20,7 @@ struct SampledLoopOptions {
   /// A step and a ramp; its lag only where the controller is 0 at s = -1/lag: that of a cascade.  The PID then has the
   /// set-point weights kd/(lag kp) and 0, which is the same but for the integral of the speed, half a sample apart.
   SetPoint set_point;
-  double disturbance = 0;   // N, on body 2 from t = 0 on
+  Disturbance disturbance;  // of body 2 alone where contacts take no time
   double encoder_step = 0;  // m, >= 0: the controller reads the nearest multiple; 0: the position itself
 };
 

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <deque>
 #include <numbers>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include "base/check.hpp"
 #include "frac/cancellation.hpp"
 #include "loops/cycles/frequency_search.hpp"
+#include "sampled_controller.hpp"
 
 namespace backlash {
 
@@ -60,41 +60,54 @@ frac::FractionalPidConfig sampled_controller(const ControlLoop& loop, const Samp
   return config;
 }
 
-SampledLoopHistory simulate_sampled_loop(const ControlLoop& loop, const SampledLoopOptions& options) {
-  if (!loop.bodies().are_free()) throw std::invalid_argument("a sampled loop is simulated with two free masses");
-  detail::require_positive("duration", "s", options.duration);
+namespace detail {
+
+SampledController::SampledController(const ControlLoop& loop, const SampledLoopOptions& options)
+    : options_(options),
+      measured_(loop.measured()),
+      pid_(sampled_controller(loop, options)),
+      waiting_(static_cast<std::size_t>(std::llround(loop.controller().delay() / options.sample_time)), 0.0) {
+  require_positive("duration", "s", options.duration);
   if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
   for (const double value : {options.velocity1, options.velocity2, options.set_point.step, options.set_point.ramp,
-                             options.set_point.lag, options.disturbance}) {
+                             options.set_point.lag, options.disturbance.body1, options.disturbance.body2}) {
     if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
   }
-  detail::require_not_negative("step of the encoder", "m", options.encoder_step);
-  const auto read = [step = options.encoder_step](double position) {
-    return step > 0 ? step * std::round(position / step) : position;
-  };
-  const double time = options.sample_time;
-  frac::FractionalPid<double> controller(sampled_controller(loop, options));
-  if (options.duration / time > 1e7) {
-    throw std::invalid_argument("duration over sample time makes more than 10^7 samples");
-  }
+  require_not_negative("step of the encoder", "m", options.encoder_step);
+  const double samples = options.duration / options.sample_time;
+  if (samples > 1e7) throw std::invalid_argument("duration over sample time makes more than 10^7 samples");
+  samples_ = static_cast<std::size_t>(samples * (1 + 1e-12));
+}
+
+double SampledController::step(std::size_t sample, double x1, double x2) {
+  const double position = measured_ == Output::x1 ? x1 : x2, quantum = options_.encoder_step;
+  const double read = quantum > 0 ? quantum * std::round(position / quantum) : position;
+  waiting_.push_back(pid_.step(options_.set_point.step + options_.set_point.ramp * time(sample), read));
+  const double force = waiting_.front();
+  waiting_.pop_front();
+  return force;
+}
+
+}  // namespace detail
+
+SampledLoopHistory simulate_sampled_loop(const ControlLoop& loop, const SampledLoopOptions& options) {
+  if (!loop.bodies().are_free()) throw std::invalid_argument("a sampled loop is simulated with two free masses");
+  if (options.disturbance.body1 != 0)
+    throw std::invalid_argument("a sampled loop whose contacts take no time has no constant force on body 1");
+  detail::SampledController controller(loop, options);
   // The plant counts the gap from the near wall.
   const double half = 0.5 * loop.system().clearance();
   TwoMassPlant plant(loop.system(), {0, options.velocity1, half, options.velocity2});
-  std::deque<double> waiting(static_cast<std::size_t>(std::llround(loop.controller().delay() / time)), 0.0);
   SampledLoopHistory history{{}, 0};
-  const auto samples = static_cast<std::size_t>(options.duration / time * (1 + 1e-12));
-  history.rows.reserve(samples + 1);
-  for (std::size_t n = 0; n <= samples; ++n) {
+  history.rows.reserve(controller.samples() + 1);
+  for (std::size_t n = 0; n <= controller.samples(); ++n) {
     frac::throw_if_cancelled();
     const TwoMassState state = plant.state();
-    const double now = static_cast<double>(n) * time;
     const double x2 = state.position2 - half;
-    const double set_point = options.set_point.step + options.set_point.ramp * now;
-    waiting.push_back(controller.step(set_point, read(loop.measured() == Output::x1 ? state.position1 : x2)));
-    const double force = waiting.front();
-    waiting.pop_front();
-    history.rows.push_back({now, state.position1, state.velocity1, x2, state.velocity2, force, LoopEvent::sample});
-    if (n < samples) plant.advance(force + options.disturbance, time);
+    const double force = controller.step(n, state.position1, x2);
+    history.rows.push_back(
+        {controller.time(n), state.position1, state.velocity1, x2, state.velocity2, force, LoopEvent::sample});
+    if (n < controller.samples()) plant.advance(force + options.disturbance.body2, options.sample_time);
   }
   history.impacts = plant.impacts();
   return history;

@@ -50,9 +50,10 @@ enum class TuningCriterion {
 [[nodiscard]] TuningCriterion tuning_criterion_from_string(std::string_view text);
 [[nodiscard]] std::span<const TuningCriterion> tuning_criteria();
 
-/// Terms that the controller has.
-enum class ControllerStructure { pid, pi, pd };
-/// pid, pi, pd.
+/// Terms that the controller has.  A series PID is K (1 + 1/(Ti s)) (1 + Td s): the orders are 1 and the zeros real,
+/// kp^2 >= 4 ki kd, as those of a position controller around a speed controller.
+enum class ControllerStructure { pid, pi, pd, series };
+/// pid, pi, pd, series.
 [[nodiscard]] std::string_view to_string(ControllerStructure structure);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] ControllerStructure controller_structure_from_string(std::string_view text);

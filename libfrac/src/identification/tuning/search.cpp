@@ -281,6 +281,12 @@ class Search {
     if (grid_.gain_at_infinity() > 0)
       candidate.violations.push_back(
           std::log(std::max(grid_.gain_at_infinity() * std::abs(gains.kp), 1e-9) / most_at_infinity));
+    if (options_.structure == ControllerStructure::series) {
+      // What counts as kept is then real for rounding too.
+      constexpr double spare = 2e-9;
+      candidate.violations.push_back(4 * gains.ki * gains.kd - (1 - spare) * gains.kp * gains.kp);
+      if (candidate.violations.back() != 0) candidate.violations.back() /= gains.kp * gains.kp;
+    }
     add(peaks.sensitivity, asked_.max_sensitivity);
     add(peaks.complementary_sensitivity, asked_.max_complementary_sensitivity);
     if (asked_.high_frequency) add(peaks.high_frequency, asked_.high_frequency->gain);

@@ -27,10 +27,11 @@ constexpr detail::Spellings<TuningCriterion, 3> criterion_names = {{
     {TuningCriterion::iae, "iae"},
     {TuningCriterion::itae, "itae"},
 }};
-constexpr detail::Spellings<ControllerStructure, 3> structure_names = {{
+constexpr detail::Spellings<ControllerStructure, 4> structure_names = {{
     {ControllerStructure::pid, "pid"},
     {ControllerStructure::pi, "pi"},
     {ControllerStructure::pd, "pd"},
+    {ControllerStructure::series, "series"},
 }};
 
 }  // namespace
@@ -112,6 +113,10 @@ TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecificat
   }
   if (std::min({gains.kp, gains.ki, gains.kd}) < 0)
     failed += (failed.empty() ? "" : "; ") + std::string("gains not negative");
+  const double product = 4 * gains.ki * gains.kd, square = gains.kp * gains.kp;
+  if (options.structure == ControllerStructure::series && product > square)
+    failed += (failed.empty() ? "" : "; ") + std::string("real zeros (4 ki kd over kp^2 at most 1, reached ") +
+              detail::four_digits(product / square) + ")";
   if (result.closed_loop != Stability::stable) {
     result.message = "No stable loop with this specification was found; the closed loop is " +
                      std::string(to_string(result.closed_loop)) + ".";
@@ -205,7 +210,9 @@ std::string text_of(const FeasibleNearby& nearby) {
 }  // namespace
 
 TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecification& specification,
-                  const TuningOptions& options) {
+                  const TuningOptions& asked_options) {
+  TuningOptions options = asked_options;
+  if (options.structure == ControllerStructure::series) options.lambda = options.mu = {1, 1};
   detail::require_valid(plant, specification, options);
   TuningResult result = tuned(plant, specification, options, specification);
   // A peak between the frequencies of the search is missed by a little: again with that to spare.
