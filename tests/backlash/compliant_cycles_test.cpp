@@ -248,6 +248,9 @@ TEST(CompliantCycles, RefuseCountsThatAreNone) {
   Machine m;
   m.control = Machine::Control{1, 0, 1};
   CompliantCycleOptions options;
+  options.range = backlash::FrequencyRange{2, 1};
+  support::expect_invalid_argument([&] { (void)compliant_cycles(loop_of(m), options); }, {"range is 2 to 1"});
+  options = {};
   options.starts = -1;
   support::expect_invalid_argument([&] { (void)compliant_cycles(loop_of(m), options); }, {"starts is -1"});
   options = {};

@@ -321,6 +321,8 @@ def test_loops_of_contacts_that_take_time():
     same([each["omega"] for each in found.cycles], [each["omega"] for each in theirs["cycles"]])
     assert [each["stable"] for each in found.cycles] == [each["stable"] for each in theirs["cycles"]]
     assert found.rests == pytest.approx((-0.03, 0.03))  # (F1 + F2)/C(0) of free masses
+    last = found.cycles[-1]["omega"]
+    same([each["omega"] for each in fracfit.limit_cycles("1 + 0.3 s", **contact, band=(0.99 * last, 10)).cycles], [last])
     theirs = command_line.columns_of("basins", *words, "--omega", 1.35, "--position", "0.2,0.8", "--velocity=-1,0,1")
     starts = fracfit.basins(1.35, **contact, position=[0.2, 0.8], velocity=[-1, 0, 1])
     assert list(starts.attractor.ravel()) == [int(each) for each in theirs["attractor"]]
@@ -330,8 +332,8 @@ def test_loops_of_contacts_that_take_time():
     np.testing.assert_allclose(tuned.motion["swing"], theirs["backlash"]["swing_m"], rtol=1e-6)  # degrees round otherwise
     with pytest.raises(ValueError, match="has no meaning with contact_stiffness"):
         fracfit.loop("1 + s", **contact, whole_memory=True)
-    with pytest.raises(ValueError, match="band has no meaning with contact_stiffness"):
-        fracfit.limit_cycles("1 + s", **contact, band=(1, 2))
+    with pytest.raises(ValueError, match="branches has no meaning with contact_stiffness"):
+        fracfit.limit_cycles("1 + s", **contact, branches=True)
 
 
 def body(text):

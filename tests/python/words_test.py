@@ -103,10 +103,13 @@ def test_constants_of_the_jump():
     # Bodies that rest in contact stay so up to sqrt(2), whatever the restitution.
     assert ours.rows[1]["similarity_constant"] == pytest.approx(math.sqrt(2), rel=1e-12)
     contact = ("--contact-stiffness", "1e4,1e5", "--contact-damping", "80", "--force", "10,20", "--clearance", "0.1")
-    theirs = command_line.columns_of("jump-law", "--constants", *contact)
-    ours = fracfit.jump_law(constants=True, contact_stiffness=[1e4, 1e5], contact_damping=80, force=[10, 20], clearance=0.1)
-    for name in ("force_n", "clearance_m", "contact_stiffness_n_m", "stiffness_group", "similarity_constant", "exponent"):
-        np.testing.assert_array_equal(ours._columns()[name], theirs[name])
+    for friction in (0, 0.5):
+        theirs = command_line.columns_of("jump-law", "--constants", *contact, "--friction1", friction)
+        ours = fracfit.jump_law(constants=True, contact_stiffness=[1e4, 1e5], contact_damping=80, friction1=friction, force=[10, 20], clearance=0.1)
+        for name in ("force_n", "clearance_m", "contact_stiffness_n_m", "stiffness_group", "similarity_constant", "exponent", "clearance_exponent"):
+            np.testing.assert_array_equal(ours._columns()[name], theirs[name])
+    with pytest.raises(ValueError, match="friction1 and friction2 need contact_stiffness"):
+        fracfit.jump_law(friction1=1.0)
     # K Delta M2/(m F) with m = 1/2 kg.
     assert ours.rows[0]["stiffness_group"] == pytest.approx(1e4 * 0.1 / (0.5 * 10), rel=1e-14)
 

@@ -172,7 +172,7 @@ TEST(JumpLaw, ContactsThatTakeTimeLowerTheExponent) {
   ASSERT_GT(lines.size(), 2u);
   EXPECT_EQ(lines[lines.size() - 2],
             "force_n,clearance_m,contact_frequency_rad_s,contact_restitution,stiffness_group,similarity_constant,"
-            "exponent,meaning");
+            "exponent,clearance_exponent,meaning");
   std::istringstream row(lines.back());
   std::vector<double> numbers;
   for (std::string cell; numbers.size() < 7 && std::getline(row, cell, ',');) numbers.push_back(std::stod(cell));
@@ -193,9 +193,33 @@ TEST(JumpLaw, ContactsThatTakeTimeLowerTheExponent) {
   EXPECT_NE(undamped.error.find("--contact-damping is 0"), std::string::npos) << undamped.error;
   const auto friction = run_fracfit({"jump-law", "--friction1", "1"});
   EXPECT_EQ(friction.code, 2);
-  EXPECT_NE(friction.error.find("jump-law does not take --friction1: its bodies have no dry friction"),
-            std::string::npos)
+  EXPECT_NE(friction.error.find("--friction1 needs --contact-stiffness or --contact-frequency"), std::string::npos)
       << friction.error;
+}
+
+// Dry friction of a tenth of the force on the load. Over 1 % of the force a secant is the tangent but for 1e-4.
+TEST(JumpLaw, DryFrictionMovesTheExponentOfTheForce) {
+  const std::vector<std::string> contact{
+      "jump-law",    "--contact-frequency", "20",     "--contact-restitution", "0.6", "--friction1", "0.1",
+      "--criterion", "saddle-node",         "--quiet"};
+  std::vector<std::string> law = contact, one = contact;
+  law.insert(law.end(), {"--force", "0.99,1.01", "--clearance", "0.99,1.01"});
+  const auto fitted = run_fracfit(law);
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  const auto json = nlohmann::json::parse(fitted.output);
+  EXPECT_EQ(json["scene"]["friction1_n"], 0.1);
+  one.insert(one.end(), {"--constants", "--force", "1", "--clearance", "1", "--format", "csv"});
+  const auto constants = run_fracfit(one);
+  ASSERT_EQ(constants.code, 0) << constants.error;
+  EXPECT_NE(constants.output.find("# friction1_n: 0.1\n"), std::string::npos) << constants.output;
+  std::istringstream row(lines_of(constants.output).back());
+  std::vector<double> numbers;
+  for (std::string cell; numbers.size() < 8 && std::getline(row, cell, ',');) numbers.push_back(std::stod(cell));
+  const double b = 0.5 * (json["laws"][0]["b"].get<double>() + json["laws"][1]["b"].get<double>());
+  EXPECT_NEAR(numbers[6], b, 1e-4);
+  EXPECT_NEAR(numbers[7], json["a_of_clearance"]["exponent"].get<double>(), 1e-4);
+  // Above 1/2, unlike contacts without friction.
+  EXPECT_GT(b, 0.5);
 }
 
 }  // namespace

@@ -193,6 +193,37 @@ TEST(WriteReport, WritesEverythingForASmallScene) {
   EXPECT_EQ(io::find_value(family.metadata(), "m2_kg"), "1");
 }
 
+// Contacts a thousand times as fast as the force: N, its loss factor and its jump differ from those of the restitution
+// in first order of omega/omega_c with factors of about 1 (0.9 of c). Closed orbits balance their energy to rounding.
+TEST(WriteReport, ReportsOnContactsThatTakeTime) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  const auto facts_of = [&](const std::string& more) {
+    ReportOptions options;
+    options.out = folder.path("out");
+    options.scene = folder.write("scene.json", R"({"clearance": 0.3, "force": 40, "omega": "20:24:5",)" + more + "}");
+    static_cast<void>(write_report(options));
+    expect_complete(options.out, false);
+    const std::string page = content_of((options.out / "index.html").string());
+    // Chapters of contacts that take no time are left out.
+    for (const char* hard : {"id=\"minute\"", "id=\"loss-factor\"", "id=\"orbits\"", "(π/4)"})
+      EXPECT_EQ(page.find(hard), std::string::npos) << hard;
+    const auto json = nlohmann::json::parse(content_of((options.out / "results.json").string()));
+    EXPECT_EQ(json.at("inputs").count("restitutions"), 0U);
+    return json.at("facts");
+  };
+  const auto stiff = facts_of(R"("contact_frequency": 20000, "contact_restitution": 0.6)");
+  const double unit = std::sqrt(40 / 0.3);
+  EXPECT_EQ(stiff.at("contact_closed_orbits"), 5);
+  EXPECT_NEAR(stiff.at("contact_loss_factor").get<double>() / (std::numbers::pi / 16), 1, 2e-3);
+  EXPECT_NEAR(stiff.at("contact_jump_rad_s").get<double>() / unit / 1.65279, 1, 2e-3);
+  EXPECT_NEAR(stiff.at("contact_jump_exponent").get<double>(), 0.5, 2e-3);
+  // More is lost where a body rubs.
+  const auto rubbing = facts_of(R"("contact_frequency": 20000, "contact_restitution": 0.6, "friction1": 1)");
+  EXPECT_GT(rubbing.at("contact_loss_factor"), stiff.at("contact_loss_factor"));
+  for (const auto& facts : {stiff, rubbing}) EXPECT_LT(facts.at("contact_energy_defect").get<double>(), 1e-12);
+}
+
 TEST(WriteReport, ReportsOnRigidMassesWithoutFits) {
   const SearchPath nothing("");
   const TemporaryFolder folder;

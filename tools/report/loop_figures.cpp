@@ -148,48 +148,50 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
   return {std::move(name), std::move(caption), {std::move(panel)}, 1, 360};
 }
 
-Figure cycle_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cycle, std::string name,
-                    std::string caption) {
-  const double clearance = loop.system().clearance();
-  const auto at = [&](std::complex<double> backlash::CycleHarmonic::*phasor, double share, bool is_rate) {
+namespace {
+
+// The sums of a cycle's harmonics over a period.
+class Series {
+ public:
+  Series(const std::vector<backlash::CycleHarmonic>& harmonics, double omega) : harmonics_(harmonics), omega_(omega) {}
+
+  [[nodiscard]] double at(std::complex<double> backlash::CycleHarmonic::*phasor, double share, bool is_rate) const {
     double sum = 0;
-    for (const backlash::CycleHarmonic& harmonic : cycle.harmonics) {
+    for (const backlash::CycleHarmonic& harmonic : harmonics_) {
       const Complex turned = harmonic.*phasor * std::polar(1.0, 2 * pi * harmonic.order * share);
       // The weight takes the ripples off the rate, whose harmonics fall as slowly as its jumps ask for.
-      const double angle = pi * harmonic.order / (cycle.harmonics.back().order + 2);
-      sum += is_rate ? -harmonic.order * cycle.omega * turned.imag() * std::sin(angle) / angle : turned.real();
+      const double angle = pi * harmonic.order / (harmonics_.back().order + 2);
+      sum += is_rate ? -harmonic.order * omega_ * turned.imag() * std::sin(angle) / angle : turned.real();
     }
     return sum;
-  };
-  Points x1, x2, force, portrait;
-  const double period = 2 * pi / cycle.omega;
-  constexpr int points = 600;
-  for (int i = 0; i <= points; ++i) {
-    const double share = static_cast<double>(i) / points;
-    const double time = share * period;
-    x1.add(time, at(&backlash::CycleHarmonic::x1, share, false));
-    x2.add(time, at(&backlash::CycleHarmonic::x2, share, false));
-    force.add(time, at(&backlash::CycleHarmonic::force, share, false));
   }
-  // The harmonics of the rate do not converge next to the impacts, where both rates are known.
-  constexpr int half = points / 2;
-  constexpr int left_out = 8;
-  for (const double side : {-1.0, 1.0}) {
-    const int first = side < 0 ? 0 : half;
-    portrait.add(-side * 0.5, side * loop.system().restitution() * cycle.impact_speed);
-    for (int i = first + left_out; i <= first + half - left_out; ++i) {
-      const double share = static_cast<double>(i) / points;
-      portrait.add(
-          (at(&backlash::CycleHarmonic::x2, share, false) - at(&backlash::CycleHarmonic::x1, share, false)) / clearance,
-          at(&backlash::CycleHarmonic::x2, share, true) - at(&backlash::CycleHarmonic::x1, share, true));
-    }
-    portrait.add(side * 0.5, side * cycle.impact_speed);
+  [[nodiscard]] double gap(double share, bool is_rate) const {
+    return at(&backlash::CycleHarmonic::x2, share, is_rate) - at(&backlash::CycleHarmonic::x1, share, is_rate);
   }
-  portrait.add(0.5, -loop.system().restitution() * cycle.impact_speed);
-  Panel motion{"", {"t / s", false, 0.0, period}, {"x / m"}};
+  [[nodiscard]] double period() const { return 2 * pi / omega_; }
+
+ private:
+  const std::vector<backlash::CycleHarmonic>& harmonics_;
+  double omega_;
+};
+
+constexpr int points_of_period = 600;
+
+// mean1, mean2: what harmonics do not tell of the positions.
+Figure figure_of(const Series& series, double mean1, double mean2, const Points& portrait, std::string name,
+                 std::string caption) {
+  Points x1, x2, force;
+  for (int i = 0; i <= points_of_period; ++i) {
+    const double share = static_cast<double>(i) / points_of_period;
+    const double time = share * series.period();
+    x1.add(time, mean1 + series.at(&backlash::CycleHarmonic::x1, share, false));
+    x2.add(time, mean2 + series.at(&backlash::CycleHarmonic::x2, share, false));
+    force.add(time, series.at(&backlash::CycleHarmonic::force, share, false));
+  }
+  Panel motion{"", {"t / s", false, 0.0, series.period()}, {"x / m"}};
   motion.key = true;
   motion.curves = {curve_of("x_1", exact_colour, Mark::line, x1), curve_of("x_2", predicted_colour, Mark::line, x2)};
-  Panel drive{"", {"t / s", false, 0.0, period}, {"force / N"}};
+  Panel drive{"", {"t / s", false, 0.0, series.period()}, {"force / N"}};
   drive.key = true;
   drive.curves = {curve_of("force", "#009e73", Mark::line, force)};
   Panel phase{"", {"(x_2 - x_1)/Δ", false, -0.55, 0.55}, {"(x_2 - x_1)' / (m/s)"}};
@@ -198,6 +200,47 @@ Figure cycle_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cyc
       curve_of("gap", exact_colour, Mark::line, portrait),
   };
   return {std::move(name), std::move(caption), {std::move(motion), std::move(drive), std::move(phase)}, 1, 220};
+}
+
+}  // namespace
+
+Figure cycle_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cycle, std::string name,
+                    std::string caption) {
+  const double clearance = loop.system().clearance();
+  const Series series(cycle.harmonics, cycle.omega);
+  Points portrait;
+  // The harmonics of the rate do not converge next to the impacts, where both rates are known.
+  constexpr int half = points_of_period / 2;
+  constexpr int left_out = 8;
+  for (const double side : {-1.0, 1.0}) {
+    const int first = side < 0 ? 0 : half;
+    portrait.add(-side * 0.5, side * loop.system().restitution() * cycle.impact_speed);
+    for (int i = first + left_out; i <= first + half - left_out; ++i) {
+      const double share = static_cast<double>(i) / points_of_period;
+      portrait.add(series.gap(share, false) / clearance, series.gap(share, true));
+    }
+    portrait.add(side * 0.5, side * cycle.impact_speed);
+  }
+  portrait.add(0.5, -loop.system().restitution() * cycle.impact_speed);
+  return figure_of(series, 0, 0, portrait, std::move(name), std::move(caption));
+}
+
+Figure cycle_figure(const backlash::CompliantLoop& loop, const backlash::CompliantCycle& cycle, std::string name,
+                    std::string caption) {
+  const Series series(cycle.harmonics, cycle.omega);
+  // The mean positions of an asymmetric cycle are those that its meeting at t = 0 asks for.
+  const double mean1 = cycle.start.x1 - series.at(&backlash::CycleHarmonic::x1, 0, false);
+  const double mean2 = cycle.start.x2 - series.at(&backlash::CycleHarmonic::x2, 0, false);
+  Points portrait;
+  for (int i = 0; i <= points_of_period; ++i) {
+    const double share = static_cast<double>(i) / points_of_period;
+    portrait.add((mean2 - mean1 + series.gap(share, false)) / loop.bodies().system().clearance(),
+                 series.gap(share, true));
+  }
+  Figure figure = figure_of(series, mean1, mean2, portrait, std::move(name), std::move(caption));
+  // Bodies overlap as far as their contacts are soft.
+  figure.panels.back().x.from = figure.panels.back().x.to = std::nullopt;
+  return figure;
 }
 
 Figure start_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cycle, std::string name,

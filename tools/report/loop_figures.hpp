@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_cycles.hpp"
 #include "backlash/loops/cycle_continuation.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
@@ -26,6 +27,9 @@ struct LoopPicture {
 /// Positions and force over a period of the first cycle that is a motion, and the phase portrait of the gap.
 /// @param cycle  with the harmonics to draw
 [[nodiscard]] Figure cycle_figure(const backlash::ControlLoop& loop, const backlash::SymmetricCycle& cycle,
+                                  std::string name, std::string caption);
+/// The same of contacts that take time.
+[[nodiscard]] Figure cycle_figure(const backlash::CompliantLoop& loop, const backlash::CompliantCycle& cycle,
                                   std::string name, std::string caption);
 
 /// The gap over the first periods from rest, the driven body pushed at the speed of impact of the cycle: of the

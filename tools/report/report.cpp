@@ -161,6 +161,7 @@ Section provenance_section(const Provenance& provenance, const std::vector<Secti
 
 std::vector<Section> scene_sections(const Work& work, Stages& stages,
                                     const std::function<std::string(const Section&)>& draw) {
+  if (work.scene.contact) return stages.write({{"contacts that take time", true, compliant_section}}, work, draw);
   const Curves curves = stages.run("describing functions", [&] { return compute_curves(work); });
   const bool has_gap = work.scene.clearance > 0;
   const Bands bands = has_gap ? stages.run("smooth bands", [&] { return smooth_bands(work, curves); }) : Bands{};
@@ -234,6 +235,16 @@ Metadata inputs_of(const ReportOptions& options, const Scene& scene) {
   Metadata inputs;
   for (const auto& file : options.data) inputs.emplace_back("data_" + std::to_string(inputs.size() + 1), file.string());
   if (!inputs.empty()) return inputs;
+  if (scene.contact)
+    return {{"m1_kg", io::format_number(scene.mass1)},
+            {"m2_kg", io::format_number(scene.mass2)},
+            {"contact_stiffness_n_m", io::format_number(scene.contact->stiffness())},
+            {"contact_damping_n_s_m", io::format_number(scene.contact->damping())},
+            {"friction1_n", io::format_number(scene.friction.body1)},
+            {"friction2_n", io::format_number(scene.friction.body2)},
+            {"forces_n", list_text(scene.forces)},
+            {"clearances_m", list_text(scene.clearances)},
+            {"omega_rad_s", range_text(scene.omega_family)}};
   return {{"m1_kg", io::format_number(scene.mass1)},
           {"m2_kg", io::format_number(scene.mass2)},
           {"base_force_n", io::format_number(scene.force)},
@@ -334,14 +345,16 @@ void refuse_inputs_in_folder(const ReportOptions& options) {
 Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
              const std::string& trouble) {
   Page page;
-  page.before_contents = options.data.empty() ? 1 : 0;
+  page.before_contents = options.data.empty() && !scene.contact ? 1 : 0;
   if (!options.data.empty()) {
     page.title = prose("page", "data-title");
     page.subtitle = prose("page", "data-subtitle");
   } else {
     page.title = prose("page", "scene-title");
-    page.subtitle = prose("page", "scene-subtitle",
-                          {{"origin", scene.of_the_paper ? prose("page", "paper") : prose("page", "own-scene")}});
+    page.subtitle = scene.contact
+                        ? prose("page", "contact-subtitle")
+                        : prose("page", "scene-subtitle",
+                                {{"origin", scene.of_the_paper ? prose("page", "paper") : prose("page", "own-scene")}});
   }
   if (!trouble.empty()) page.notice = prose("page", "no-pictures", {{"trouble", escape_html(trouble)}});
   page.sections = std::move(sections);
@@ -386,7 +399,7 @@ ReportOutcome write_report(const ReportOptions& options) {
   const std::string& trouble = stages.trouble();
   Provenance provenance = provenance_of(options, work.scene);
   provenance.stages = stages.times();
-  if (!options.data.empty()) sections.insert(sections.begin(), summary_section(sections));
+  if (!options.data.empty() || work.scene.contact) sections.insert(sections.begin(), summary_section(sections));
   sections.push_back(provenance_section(provenance, sections));
   write_tables(folder, sections, provenance);
   folder.write("results.json", results_json(provenance, sections, trouble.empty()));

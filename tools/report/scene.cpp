@@ -6,7 +6,9 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "io/data_error.hpp"
 #include "io/input_text.hpp"
@@ -98,6 +100,36 @@ void check_rising(const std::filesystem::path& file, const std::vector<double>& 
   }
 }
 
+constexpr const char* contacts =
+    "expected contact_stiffness with contact_damping, or contact_frequency with contact_ratio or contact_restitution, "
+    "in place of restitution";
+
+// The contact that takes time; empty where none of its members is given.
+template <class Number>
+std::optional<backlash::CompliantContact> contact_of(const std::filesystem::path& file, const Json& json,
+                                                     const Number& number, double mass1, double mass2) {
+  std::string given;
+  for (const auto& [name, value] : json.items())
+    if (name.starts_with("contact_")) given += (given.empty() ? "" : " ") + name;
+  if (given.empty()) return std::nullopt;
+  if (json.contains("restitution")) fail(file, "\"restitution\" and \"" + given + "\" are both given; " + contacts);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  // Members come in the order of their names.
+  if (given == "contact_damping contact_stiffness")
+    return backlash::CompliantContact(number("contact_stiffness", 0, false, infinity),
+                                      number("contact_damping", 0, false, infinity));
+  double ratio = 0;
+  if (given == "contact_frequency contact_ratio")
+    ratio = number("contact_ratio", 0, false, infinity);
+  else if (given == "contact_frequency contact_restitution")
+    // A contact that loses nothing has no stable orbit.
+    ratio = backlash::damping_ratio_of_restitution(number("contact_restitution", 0, false, std::nextafter(1.0, 0.0)));
+  else
+    fail(file, "a contact is given by \"" + given + "\"; " + contacts);
+  return backlash::CompliantContact::from_frequency(number("contact_frequency", 0, false, infinity), ratio, mass1,
+                                                    mass2);
+}
+
 }  // namespace
 
 std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
@@ -137,13 +169,24 @@ Scene paper_scene() {
 Scene read_scene(const std::filesystem::path& file) {
   const Json json = parsed(file);
   const std::string expected =
-      "expected an object with clearance, restitution, force, omega and, if not 1 kg, mass1 and mass2";
+      "expected an object with clearance, restitution or a contact, force, omega and, if not 1 kg, mass1 and mass2";
   if (!json.is_object()) fail(file, expected);
-  static const std::vector<std::string> known = {"mass1",     "mass2",       "m1",    "m2",
-                                                 "clearance", "restitution", "force", "omega"};
+  static const std::vector<std::string> known = {"mass1",
+                                                 "mass2",
+                                                 "m1",
+                                                 "m2",
+                                                 "clearance",
+                                                 "restitution",
+                                                 "force",
+                                                 "omega",
+                                                 "friction1",
+                                                 "friction2",
+                                                 "contact_ratio",
+                                                 "contact_stiffness",
+                                                 "contact_damping",
+                                                 "contact_frequency",
+                                                 "contact_restitution"};
   for (const auto& [name, value] : json.items()) {
-    if (name.starts_with("contact") || name.starts_with("friction"))
-      fail(file, "\"" + name + "\" has no meaning in a report, whose contacts take no time; expected restitution");
     if (std::find(known.begin(), known.end(), name) == known.end())
       fail(file, "unknown member \"" + name + "\"; " + expected);
   }
@@ -167,10 +210,26 @@ Scene read_scene(const std::filesystem::path& file) {
   scene.mass2 = mass("mass2", "m2");
   scene.forces = member("force");
   scene.clearances = member("clearance");
-  scene.restitutions = member("restitution");
+  // One number, which must be above `least`.
+  const auto number = [&](const std::string& name, double least, bool may_equal, double at_most) {
+    const std::vector<double> list = member(name);
+    check_range(file, name, list, least, may_equal, at_most);
+    return single(file, name, list);
+  };
+  scene.contact = contact_of(file, json, number, scene.mass1, scene.mass2);
+  for (const auto& [name, target] :
+       {std::pair{"friction1", &scene.friction.body1}, std::pair{"friction2", &scene.friction.body2}}) {
+    if (!json.contains(name)) continue;
+    if (!scene.contact) fail(file, "\"" + std::string(name) + "\" needs contacts that take time; " + contacts);
+    *target = number(name, 0, true, infinity);
+  }
+  if (scene.contact)
+    scene.restitutions = {backlash::free_contact(*scene.contact, scene.mass1, scene.mass2).restitution};
+  else
+    scene.restitutions = member("restitution");
   const std::vector<double> omega = member("omega");
   check_range(file, "force", scene.forces, 0, false, infinity);
-  check_range(file, "clearance", scene.clearances, 0, true, infinity);
+  check_range(file, "clearance", scene.clearances, 0, !scene.contact, infinity);
   check_range(file, "restitution", scene.restitutions, 0, true, 1);
   check_range(file, "omega", omega, 0, false, infinity);
   check_distinct(file, "force", scene.forces);

@@ -61,6 +61,8 @@ void add_sentences(Section& minute, const Work& work, const Bands& bands, const 
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 /// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);
+/// All of a scene whose contacts take time: curves, kinds of motion with their energy balance, the law of -1/N, jumps.
+[[nodiscard]] Section compliant_section(const Work& work);
 /// A loop around the two masses with the controller (M1 + M2)(1 + s^0.5): needs a clearance above 0.
 [[nodiscard]] LoopPicture example_loop(const Work& work);
 /// Exact limit cycles beside those of the describing function.  Needs a clearance above 0.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "backlash/loops/predicted_cycles.hpp"
+#include "base/check.hpp"
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 #include "compliant_run.hpp"
@@ -373,6 +374,9 @@ Settled settle(const CompliantFlow& flow, const LoopStart& start, std::size_t mo
 CompliantCycles compliant_cycles(const CompliantLoop& loop, const CompliantCycleOptions& options) {
   if (options.starts < 0)
     throw std::invalid_argument("starts is " + std::to_string(options.starts) + "; it must be at least 0");
+  if (options.range && !(options.range->from > 0 && options.range->from < options.range->to))
+    throw std::invalid_argument("range is " + detail::text(options.range->from) + " to " +
+                                detail::text(options.range->to) + " rad/s; it must rise and be above 0");
   if (options.contacts < 1) throw std::invalid_argument("contacts is 0; it must be at least 1");
   if (options.harmonics < 1)
     throw std::invalid_argument("harmonics is " + std::to_string(options.harmonics) + "; it must be at least 1");
@@ -387,8 +391,9 @@ CompliantCycles compliant_cycles(const CompliantLoop& loop, const CompliantCycle
   for (const SymmetricCycle& cycle : hard) stiffest = std::max(stiffest, hard_enough * cycle.omega);
   const CompliantFlow flow(loop, {}, std::numeric_limits<double>::infinity(), options.tolerance, stiffest);
   CompliantCycles result{{}, {}, flow.error()};
-  const auto add = [&](const Closed& closed) {
+  const auto add = [&](const Closed& closed) -> std::optional<std::size_t> {
     CompliantCycle cycle = read(flow, closed, options.harmonics, loop.bodies());
+    if (options.range && !(cycle.omega >= options.range->from && cycle.omega <= options.range->to)) return std::nullopt;
     const auto known = std::find_if(result.cycles.begin(), result.cycles.end(),
                                     [&](const CompliantCycle& other) { return is_same(cycle, other); });
     const auto index = static_cast<std::size_t>(known - result.cycles.begin());

@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <vector>
 
-#include "backlash/compliant/compliant_history.hpp"
-#include "closed_motion_branch.hpp"
-#include "compliant_point.hpp"
+#include "compliant_family.hpp"
 #include "continuation/continuation_scene.hpp"
 #include "continuation/orbit_search.hpp"
-#include "loops/equations/gap_response.hpp"
-#include "loops/motions/symmetric_forced_orbit.hpp"
 
 namespace backlash {
 namespace {
@@ -24,12 +19,10 @@ using detail::ClosedMotion;
 using detail::ClosedMotionBranch;
 using detail::ClosedMotionEnd;
 using detail::ClosedMotionEvent;
+using detail::CompliantFamily;
 using detail::CompliantFlow;
-using detail::CompliantMode;
 using detail::CompliantRun;
 using detail::SineForce;
-using Eigen::VectorXd;
-using Index = Eigen::Index;
 
 // Starts whose motion is followed until it settles, each at a value of the parameter of its own, and values at which
 // the orbit of the restitution is tried.
@@ -37,89 +30,10 @@ constexpr std::size_t settling_starts = 256, hard_values = 32;
 // Starts per side of the grid at a value of basins_at, as the command basins has them.
 constexpr std::size_t basin_side = 41;
 
-/// The scene at values of the logarithm of the parameter.
-class CompliantFamily {
+/// What a diagram tells of closed motions.
+class Diagram {
  public:
-  CompliantFamily(const CompliantBodies& bodies, double force, double omega, OrbitParameter parameter, Output output)
-      : bodies_(bodies), force_{force, omega}, parameter_(parameter), output_(output) {}
-
-  [[nodiscard]] CompliantBodies bodies(double value) const {
-    const TwoMassSystem& system = bodies_.system();
-    const double clearance = parameter_ == OrbitParameter::clearance ? std::exp(value) : system.clearance();
-    if (parameter_ != OrbitParameter::clearance && parameter_ != OrbitParameter::contact_frequency) return bodies_;
-    const double mass1 = system.mass1(), mass2 = system.mass2();
-    const CompliantContact contact =
-        parameter_ == OrbitParameter::contact_frequency
-            ? CompliantContact::from_frequency(
-                  std::exp(value), free_contact(bodies_.contact(), mass1, mass2).damping_ratio, mass1, mass2)
-            : bodies_.contact();
-    return {bodies_.hard().load(), bodies_.hard().drive(), clearance, contact, bodies_.friction()};
-  }
-  [[nodiscard]] SineForce force(double value) const {
-    SineForce force = force_;
-    if (parameter_ == OrbitParameter::omega) force.omega = std::exp(value);
-    if (parameter_ == OrbitParameter::force) force.amplitude = std::exp(value);
-    return force;
-  }
-  [[nodiscard]] CompliantFlow flow(double value) const {
-    return {bodies(value), force(value), output_, detail::compliant_realisation, 1};
-  }
-
-  /// Steps are half periods of the force, after which a state is turned over.
-  [[nodiscard]] std::optional<detail::RepeatedMap> map(const VectorXd& state, const CompliantMode& mode, double value,
-                                                       int steps) const {
-    const CompliantFlow at = flow(value);
-    CompliantRun run(at, placed(at, state), mode);
-    run.begin_transition();
-    detail::RepeatedMap result;
-    for (int step = 1; step <= steps; ++step) {
-      if (!follow(run, step, [&](CompliantRun::Event event) {
-            result.pattern.contacts += event == CompliantRun::Event::contact;
-            result.pattern.sticks += event == CompliantRun::Event::stick;
-            result.pattern.reversals += event == CompliantRun::Event::reversal;
-          }))
-        return std::nullopt;
-      result.visited.push_back((step % 2 == 0 ? 1.0 : -1.0) * over_sizes(at, run.state()));
-    }
-    const std::vector<Index>& repeating = at.repeating();
-    const auto size = static_cast<Index>(repeating.size());
-    result.derivative.resize(size, size);
-    for (Index i = 0; i < size; ++i)
-      for (Index k = 0; k < size; ++k) {
-        const Index to = repeating[static_cast<std::size_t>(i)], of = repeating[static_cast<std::size_t>(k)];
-        result.derivative(i, k) =
-            (steps % 2 == 0 ? 1.0 : -1.0) * run.transition()(to, of) / at.sizes()[to] * at.sizes()[of];
-      }
-    result.mode = steps % 2 == 0 ? run.mode() : at.turned_over(run.mode());
-    return result;
-  }
-
-  /// Closed where the motion is periodic.
-  [[nodiscard]] std::optional<ClosedMotion> settled(const detail::MapAt& map, double value,
-                                                    const RelativeState& start) const {
-    const CompliantBodies at = bodies(value);
-    const auto [amplitude, omega] = force(value);
-    SweepOptions options;
-    options.output = output_;
-    // What does not close is not wanted.
-    options.mean_tolerance = std::numeric_limits<double>::max();
-    detail::CompliantPoint point(at, amplitude, omega, options);
-    const auto reached = point.follow(start_about_mean(at.system(), amplitude, omega, start));
-    if (reached.point.regime != Regime::periodic && reached.point.regime != Regime::symmetric) return std::nullopt;
-    const CompliantFlow flow = this->flow(value);
-    return closed_motion(map, over_sizes(flow, reached.state), reached.mode, value, 2 * reached.point.period);
-  }
-  /// What the symmetric orbit of the restitution becomes, if it becomes one as it is.
-  [[nodiscard]] std::optional<ClosedMotion> from_hard(const detail::MapAt& map, double value) const {
-    const CompliantBodies at = bodies(value);
-    const auto [amplitude, omega] = force(value);
-    const detail::ImpulseAnswer response(detail::gap_response(at.hard()));
-    const detail::SymmetricForcedOrbit hard(at.hard(), response, amplitude, omega);
-    if (!hard.exists()) return std::nullopt;
-    const CompliantFlow flow = this->flow(value);
-    const VectorXd state = flow.start(hard.at_peak());
-    return closed_motion(map, over_sizes(flow, state), flow.mode_of(state), value, 1);
-  }
+  explicit Diagram(const CompliantFamily& family) : family_(family) {}
 
   [[nodiscard]] OrbitBranch branch(const ClosedMotionBranch& of) const {
     const ClosedMotion& first = of.motions.front();
@@ -145,47 +59,15 @@ class CompliantFamily {
  private:
   static int periods(const ClosedMotion& motion) { return motion.steps % 2 != 0 ? motion.steps : motion.steps / 2; }
 
-  static VectorXd over_sizes(const CompliantFlow& flow, const VectorXd& state) {
-    VectorXd result(static_cast<Index>(flow.repeating().size()));
-    for (std::size_t i = 0; i < flow.repeating().size(); ++i) {
-      const Index at = flow.repeating()[i];
-      result[static_cast<Index>(i)] = state[at] / flow.sizes()[at];
-    }
-    return result;
-  }
-  static VectorXd placed(const CompliantFlow& flow, const VectorXd& state) {
-    VectorXd result = VectorXd::Zero(flow.sizes().size());
-    result[CompliantFlow::cosine] = result[CompliantFlow::one] = 1;
-    for (std::size_t i = 0; i < flow.repeating().size(); ++i) {
-      const Index at = flow.repeating()[i];
-      result[at] = state[static_cast<Index>(i)] * flow.sizes()[at];
-    }
-    // At a peak of the force the centre of mass of free bodies turns.
-    const TwoMassSystem& system = flow.bodies().system();
-    if (flow.bodies().are_free())
-      result[CompliantFlow::v1] = -system.mass2() / (system.mass1() + system.mass2()) * result[CompliantFlow::rate];
-    return result;
-  }
-  /// To the end of half period number `step`. @return false where it has none
-  template <class Visit>
-  static bool follow(CompliantRun& run, int step, const Visit& visit) {
-    const double until = step * std::numbers::pi / run.flow().omega();
-    for (int events = 0; run.time() < until; ++events) {
-      visit(run.advance(until));
-      if (run.has_escaped() || run.is_spent() || events > CompliantRun::most_events) return false;
-    }
-    return true;
-  }
-
   [[nodiscard]] PeriodicOrbit orbit(const ClosedMotion& motion) const {
     const double value = motion.parameter();
-    const CompliantFlow at = flow(value);
+    const CompliantFlow at = family_.flow(value);
     PeriodicOrbit result{};
     result.parameter = std::exp(value);
     result.omega = at.omega();
-    CompliantRun run(at, placed(at, motion.state()), motion.mode);
+    CompliantRun run(at, CompliantFamily::placed(at, motion.state()), motion.mode);
     for (int step = 1; step <= 2 * periods(motion); ++step) {
-      follow(run, step, [&](CompliantRun::Event event) {
+      CompliantFamily::follow(run, step, [&](CompliantRun::Event event) {
         if (event != CompliantRun::Event::contact) return;
         result.impacts.push_back({run.time() * at.omega(), run.subject() > 0 ? Wall::far : Wall::near,
                                   std::max(0.0, run.subject() * run.state()[CompliantFlow::rate])});
@@ -224,10 +106,7 @@ class CompliantFamily {
     return BranchEnd::too_long;
   }
 
-  const CompliantBodies& bodies_;
-  SineForce force_;
-  OrbitParameter parameter_;
-  Output output_;
+  const CompliantFamily& family_;
 };
 
 }  // namespace
@@ -244,9 +123,6 @@ OrbitDiagram orbit_diagram(const CompliantBodies& bodies, double force_amplitude
   for (const double end : {from, to})
     detail::require_followed(family.bodies(std::log(end)), family.force(std::log(end)).omega);
   const double low = std::log(from), high = std::log(to);
-  const detail::MapAt map = [&family](const VectorXd& state, const CompliantMode& mode, double value, int steps) {
-    return family.map(state, mode, value, steps);
-  };
 
   struct Start {
     double value;
@@ -279,7 +155,7 @@ OrbitDiagram orbit_diagram(const CompliantBodies& bodies, double force_amplitude
   if (progress != nullptr) progress->total += starts.size();
   frac::parallel_for(starts.size(), options.threads, [&](std::size_t i) {
     const Start& start = starts[i];
-    found[i] = start.state ? family.settled(map, start.value, *start.state) : family.from_hard(map, start.value);
+    found[i] = start.state ? family.settled(start.value, *start.state) : family.from_hard(start.value);
     if (progress != nullptr) ++progress->done;
   });
   std::vector<ClosedMotion> through;
@@ -287,8 +163,8 @@ OrbitDiagram orbit_diagram(const CompliantBodies& bodies, double force_amplitude
     if (motion) through.push_back(std::move(*motion));
   const detail::BranchLimits limits{low, high, 2 * options.longest_period, 1, options.most_impacts, true};
   OrbitDiagram diagram{bodies.system(), force_amplitude, omega, parameter, from, to, options, {}};
-  for (const ClosedMotionBranch& branch : detail::closed_motion_branches(map, through, limits))
-    diagram.branches.push_back(family.branch(branch));
+  for (const ClosedMotionBranch& branch : detail::closed_motion_branches(family.map(), through, limits))
+    diagram.branches.push_back(Diagram(family).branch(branch));
   return diagram;
 }
 

@@ -175,14 +175,13 @@ JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
 
 JumpGrid contact_jump_grid(double mass1, double mass2, const std::vector<double>& force,
                            const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
-                           JumpCriterion criterion, int threads, frac::Progress* progress) {
+                           JumpCriterion criterion, int threads, frac::Progress* progress,
+                           const CoulombFriction& friction) {
   if (contact.empty()) throw std::invalid_argument("contact is empty; at least 1 contact is needed");
-  std::vector<FreeContact> free;
   std::vector<double> restitution;
   for (const CompliantContact& each : contact) {
     detail::require_positive("contact_damping", "N s/m", each.damping());
-    free.push_back(free_contact(each, mass1, mass2));
-    restitution.push_back(free.back().restitution);
+    restitution.push_back(free_contact(each, mass1, mass2).restitution);
   }
   check(mass1, mass2, force, clearance, restitution);
   JumpGrid result{criterion, points_of(force, clearance, restitution), {}, nan};
@@ -190,16 +189,18 @@ JumpGrid contact_jump_grid(double mass1, double mass2, const std::vector<double>
   if (progress != nullptr) progress->total += result.points.size();
   frac::parallel_for(result.points.size(), threads, [&](std::size_t i) {
     JumpPoint& point = result.points[i];
-    const std::size_t which = i % contact.size();
-    const double group = stiffness_group(contact[which], mass1, mass2, point.clearance, point.force);
-    const CompliantJump jump = compliant_jump(group, free[which].damping_ratio, criterion);
+    const CompliantBodies bodies(free_mass(mass1), free_mass(mass2), point.clearance, contact[i % contact.size()],
+                                 friction);
+    const CompliantJump jump = compliant_jump(bodies, point.force, criterion, false);
     if (jump.similarity_constant)
       point.omega_jump = *jump.similarity_constant * std::sqrt(point.force / mass2 / point.clearance);
     if (progress != nullptr) ++progress->done;
   });
   take_means(result, mass2);
   for (JumpConstant& constant : result.constants)
-    constant.message += "scenes have a jump; c depends on the stiffness beside the force";
+    constant.message += friction.body1 == 0 && friction.body2 == 0
+                            ? "scenes have a jump; c depends on the stiffness beside the force"
+                            : "scenes have a jump; c depends on stiffness and dry friction beside the force";
   return result;
 }
 
@@ -265,11 +266,12 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
 
 JumpLaw fit_contact_jump_law(double mass1, double mass2, const std::vector<double>& force,
                              const std::vector<double>& clearance, const std::vector<CompliantContact>& contact,
-                             JumpCriterion criterion, int threads, frac::Progress* progress) {
+                             JumpCriterion criterion, int threads, frac::Progress* progress,
+                             const CoulombFriction& friction) {
   require_different("force", force);
   require_different("clearance", clearance);
-  return law_of(contact_jump_grid(mass1, mass2, force, clearance, contact, criterion, threads, progress), force,
-                clearance);
+  return law_of(contact_jump_grid(mass1, mass2, force, clearance, contact, criterion, threads, progress, friction),
+                force, clearance);
 }
 
 }  // namespace backlash

@@ -33,7 +33,7 @@ class JumpLaw : public Command {
     // By default the grid of the paper's figs. 9 and 10.
     o.parsed("--restitution", restitution_, scene_values_of, "averaged over: list or grid")
         .otherwise("0,0.2,0.4,0.6,0.8,1");
-    contact_.add(o, true, false);
+    contact_.add(o, true);
     o.choice("--criterion", criterion_, backlash::jump_criteria());
     o.parsed("--force", force_, scene_values_of, "list or grid").otherwise("10,20,30,40,50");
     o.parsed("--clearance", clearance_, scene_values_of, "list or grid")
@@ -44,13 +44,15 @@ class JumpLaw : public Command {
     set_footer(
         "With contacts that take time the criterion is symmetry-loss, or saddle-node; --constants then has a row for "
         "each force, clearance and\n"
-        "contact, with Lambda = K Delta M2/(m F), m = M1 M2/(M1 + M2), and the exponent b of the force that c(Lambda) "
-        "makes near by.\n"
+        "contact, with Lambda = K Delta M2/(m F), m = M1 M2/(M1 + M2), and the exponents of force and clearance near "
+        "by.\n"
         "Examples:\n"
         "  fracfit jump-law\n"
         "  fracfit jump-law --criterion symmetry-loss --restitution 0.2,0.4,0.6,0.8 --out law.json\n"
         "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table\n"
         "  fracfit jump-law --contact-stiffness 1e4 --contact-damping 20 --format table\n"
+        "  fracfit jump-law --force 9:11:3 --clearance 0.25:0.35:3 --contact-frequency 120 --contact-ratio 0.2 "
+        "--friction1 1 --format table\n"
         "  fracfit jump-law --constants --restitution 0:1:101 --format csv --out constants.csv");
   }
 
@@ -95,8 +97,12 @@ class JumpLaw : public Command {
     if (takes_time) {
       run.contact_columns = contact_.columns();
       run.contacts = contact_.values();
+      run.friction = contact_.friction();
     }
-    const auto law = takes_time ? over_grid(contact_.contacts(mass1_, mass2_), backlash::fit_contact_jump_law)
+    const auto with_friction = [&](auto&&... grid) {
+      return backlash::fit_contact_jump_law(grid..., contact_.friction());
+    };
+    const auto law = takes_time ? over_grid(contact_.contacts(mass1_, mass2_), with_friction)
                                 : over_grid(restitution_, backlash::fit_jump_law);
     if (law.message.empty() || format() != "table")
       write(format() == "json"  ? jump_law_json(run, law)
@@ -118,22 +124,33 @@ class JumpLaw : public Command {
   int run_contact_constants() {
     const auto contacts = contact_.contacts(mass1_, mass2_);
     require_table_size({{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"contacts", contacts.size()}});
-    const JumpLawRun run{command_line(), mass1_, mass2_, contact_.columns(), contact_.values()};
+    const JumpLawRun run{command_line(), mass1_, mass2_, contact_.columns(), contact_.values(), contact_.friction()};
     std::vector<ContactJump> jumps;
-    for (const double clearance : clearance_) {
-      for (const double force : force_) {
-        for (std::size_t i = 0; i < contacts.size(); ++i) {
-          const double group = backlash::stiffness_group(contacts[i], mass1_, mass2_, clearance, force);
-          const double ratio = backlash::free_contact(contacts[i], mass1_, mass2_).damping_ratio;
-          jumps.push_back({force, clearance, run.contacts[i], backlash::compliant_jump(group, ratio, criterion_)});
-        }
-      }
-    }
+    for (const double clearance : clearance_)
+      for (const double force : force_)
+        for (const auto& contact : run.contacts) jumps.push_back({force, clearance, contact, {}});
+    frac::Progress progress;
+    progress.total += jumps.size();
+    const io::ProgressBar bar("jump-law", progress, progress_style());
+    frac::parallel_for(jumps.size(), threads(), [&](std::size_t i) {
+      const backlash::CompliantBodies bodies(backlash::free_mass(mass1_), backlash::free_mass(mass2_),
+                                             jumps[i].clearance, contacts[i % contacts.size()], contact_.friction());
+      jumps[i].jump = backlash::compliant_jump(bodies, jumps[i].force, criterion_);
+      ++progress.done;
+    });
     write(contact_jumps_text(run, criterion_, jumps, format()));
     if (std::ranges::any_of(jumps, [](const auto& each) { return each.jump.similarity_constant.has_value(); }))
       return usable_result;
     say("no contact has a jump by this criterion");
     return no_usable_result;
+  }
+
+  void check() override {
+    // Restitutions have a default here.
+    if (contact_.are_given(options())) return;
+    for (const char* name : {"--friction1", "--friction2"})
+      if (options()[name].is_given())
+        throw std::invalid_argument(std::string(name) + " needs --contact-stiffness or --contact-frequency");
   }
 
   int run() override {

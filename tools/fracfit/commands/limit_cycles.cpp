@@ -64,8 +64,9 @@ class LimitCyclesCommand : public Command {
          "FOLDER")
         .unsaid();
     contact_.add(o);
-    for (const char* name : {"--omega", "--branches", "--pictures"})
-      CompliantOptions::exclude(o[name], "whose contacts take time");
+    CompliantOptions::exclude(o["--branches"],
+                              "whose contacts take time and whose predictions stand on the orbit next to each cycle, "
+                              "however many its contacts");
     add_common({"csv", "json", "table"});
     set_footer(
         "All symmetric cycles with two impacts per period, and others that motions from seeded starts settle on; roots "
@@ -94,7 +95,7 @@ class LimitCyclesCommand : public Command {
   }
 
  private:
-  static constexpr int most_starts = 1000;
+  static constexpr int most_starts = 1000, harmonics_drawn = 400;
 
   static std::optional<backlash::FrequencyRange> range_of(std::string_view name, const std::string& text) {
     const auto [low, high] = pair_of(name, text);
@@ -139,6 +140,11 @@ class LimitCyclesCommand : public Command {
   int run_compliant() {
     backlash::CompliantCycleOptions request;
     request.starts = starts_.value_or(request.starts);
+    request.range = range_;
+    if (!pictures_.empty()) {
+      make_picture_folder(pictures_);
+      request.harmonics = harmonics_drawn;
+    }
     std::vector<std::pair<backlash::CompliantLoop, io::Metadata>> loops;
     if (over_.values.empty()) loops.emplace_back(loop_.loop(contact_), io::Metadata{});
     for (const double value : over_.values)
@@ -150,10 +156,49 @@ class LimitCyclesCommand : public Command {
                         backlash::compliant_cycles(loop, request), varied});
     if (over_.values.empty() && cycles.front().rigid.stability == frac::Stability::unstable)
       say("the loop is unstable even without clearance: its cycles do not tell what limits the motion");
+    std::vector<report::Figure> figures;
+    if (!pictures_.empty()) figures = figures_of(cycles);
+    constexpr std::size_t listed = 5;
+    for (CompliantLoopCycles& each : cycles)
+      for (backlash::CompliantCycle& cycle : each.found.cycles)
+        cycle.harmonics.resize(std::min(listed, cycle.harmonics.size()));
     write(format() == "json"  ? limit_cycles_json(cycles, command_line())
           : format() == "csv" ? limit_cycles_csv(cycles, command_line())
                               : limit_cycles_table(cycles));
-    return usable_result;
+    if (pictures_.empty()) return usable_result;
+    if (figures.empty()) {
+      say("no picture: no cycle was found");
+      return usable_result;
+    }
+    return draw_pictures(*this, pictures_, figures) ? usable_result : no_usable_result;
+  }
+
+  [[nodiscard]] std::vector<report::Figure> figures_of(const std::vector<CompliantLoopCycles>& loops) const {
+    std::vector<report::Figure> figures;
+    if (over_.values.empty()) {
+      const CompliantLoopCycles& loop = loops.front();
+      for (std::size_t i = 0; i < loop.found.cycles.size(); ++i)
+        figures.push_back(report::cycle_figure(loop.loop, loop.found.cycles[i], "cycle-" + std::to_string(i + 1), {}));
+      return figures;
+    }
+    report::LoopFamilyPicture family{report::enhanced_escape(over_.name), over_.values, {}, {}};
+    for (const CompliantLoopCycles& loop : loops) {
+      report::LoopPicture picture{loop.loop.hard(), {}, {}};
+      for (const backlash::CompliantCycle& cycle : loop.found.cycles) {
+        backlash::SymmetricCycle drawn{};
+        drawn.omega = cycle.omega;
+        drawn.admissible = true;
+        drawn.stability = cycle.stability;
+        picture.exact.cycles.push_back(drawn);
+        if (!cycle.predicted) continue;
+        backlash::PredictedCycle predicted{};
+        predicted.omega = cycle.predicted->omega;
+        picture.predicted.push_back(predicted);
+      }
+      family.loops.push_back(std::move(picture));
+    }
+    figures.push_back(report::frequencies_figure(family, "cycles-frequency", {}));
+    return figures;
   }
 
   [[nodiscard]] std::vector<report::Figure> figures_of(const std::vector<LoopCycles>& loops,
@@ -172,7 +217,7 @@ class LimitCyclesCommand : public Command {
     }
     backlash::LimitCycleOptions request;
     request.range = range_;
-    request.harmonics = 400;
+    request.harmonics = harmonics_drawn;
     int number = 0;
     for (const backlash::SymmetricCycle& cycle : backlash::symmetric_cycles(loop.loop, request).cycles) {
       ++number;

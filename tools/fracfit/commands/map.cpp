@@ -68,7 +68,7 @@ class Map : public SweepCommand {
     const auto columns = contact_.columns();
     default_to_two_impact(sweep_);
     return write_points(
-        scenes, {columns.begin(), columns.end()}, friction_entries(bodies.front()), omega_, sweep_,
+        scenes, {columns.begin(), columns.end()}, friction_entries(contact_.friction()), omega_, sweep_,
         form(PointColumns::with_diagnostics, sweep_.output == backlash::Output::x1 && bodies.front().are_free()));
   }
 

@@ -25,7 +25,11 @@ class Report : public Command {
              "minus-inverse: "
              "N or -1/N, made of the other one where the file holds that")
         .only_with({"DATA"});
-    o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
+    o.text("--scene", scene_,
+           "Scene as JSON: mass1, mass2, clearance, restitution, force, omega; in place of restitution "
+           "contact_stiffness and "
+           "contact_damping (or contact_frequency and contact_ratio or contact_restitution), friction1, friction2",
+           "FILE")
         .not_with({"DATA"});
     o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
     add_progress();

@@ -134,7 +134,7 @@ class Simulate : public SweepCommand {
       for (const double clearance : clearance_) {
         const std::vector<backlash::CompliantBodies> bodies = contact_.bodies(
             load_.value_or(backlash::free_mass(mass1_)), drive_.value_or(backlash::free_mass(mass2_)), clearance);
-        shared = contacts == 1 ? contact_entries(bodies.front()) : friction_entries(bodies.front());
+        shared = contacts == 1 ? contact_entries(bodies.front()) : friction_entries(contact_.friction());
         for (std::size_t i = 0; i < bodies.size(); ++i) {
           scenes.push_back({{bodies[i], force}, {force, clearance}});
           entries.push_back(contact_entries(bodies[i]));

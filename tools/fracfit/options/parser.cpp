@@ -90,13 +90,10 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
   const std::string name = unknown->substr(0, unknown->find('='));
   const auto takes = [&](const char* option) { return std::find(names.begin(), names.end(), option) != names.end(); };
   if (takes("--restitution") && is_compliant_option(name))
-    refuse(
-        command.name() + " does not take " + name + ": " +
-            (takes("--contact-stiffness") ? "its bodies have no dry friction"
-                                          : "its contacts have a restitution and take no time, and its bodies no dry "
-                                            "friction") +
-            "; simulate, map, history, orbits, basins, loop, limit-cycles and tune take it",
-        command.name());
+    refuse(command.name() + " does not take " + name +
+               ": its contacts have a restitution and take no time, and its bodies no dry friction; simulate, map, "
+               "history, orbits, basins, jump-law, loop, limit-cycles and tune take it",
+           command.name());
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }
 

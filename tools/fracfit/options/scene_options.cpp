@@ -34,7 +34,7 @@ void add_scene(Options& options, Scene& scene) {
   add_masses(options, scene.mass1, scene.mass2);
 }
 
-void CompliantOptions::add(Options& options, bool several, bool friction) {
+void CompliantOptions::add(Options& options, bool several) {
   const auto declare = [&](const char* name, std::vector<double>& target) -> Option& {
     return options.parsed(
         name, target,
@@ -50,7 +50,6 @@ void CompliantOptions::add(Options& options, bool several, bool friction) {
   declare("--contact-restitution", restitution_).only_with({"--contact-frequency"});
   options.at_most_one({"--restitution", "--contact-stiffness", "--contact-frequency"});
   options.at_most_one({"--contact-ratio", "--contact-restitution"});
-  if (!friction) return;
   for (double* each : {&friction_.body1, &friction_.body2})
     options.number(each == &friction_.body1 ? "--friction1" : "--friction2", *each)
         .not_with({"--restitution"}, "whose contacts take no time; give --contact-stiffness or --contact-frequency");
@@ -130,13 +129,12 @@ io::Metadata contact_entries(const backlash::CompliantBodies& bodies) {
         std::pair{"contact_frequency_rad_s", free.frequency}, std::pair{"contact_ratio", free.damping_ratio},
         std::pair{"contact_restitution", free.restitution}, std::pair{"contact_time_s", free.duration}})
     entries.emplace_back(key, io::format_number(value));
-  for (auto& entry : friction_entries(bodies)) entries.push_back(std::move(entry));
+  for (auto& entry : friction_entries(bodies.friction())) entries.push_back(std::move(entry));
   return entries;
 }
 
-io::Metadata friction_entries(const backlash::CompliantBodies& bodies) {
-  return {{"friction1_n", io::format_number(bodies.friction().body1)},
-          {"friction2_n", io::format_number(bodies.friction().body2)}};
+io::Metadata friction_entries(const backlash::CoulombFriction& friction) {
+  return {{"friction1_n", io::format_number(friction.body1)}, {"friction2_n", io::format_number(friction.body2)}};
 }
 
 std::string contact_word(const std::optional<backlash::Wall>& wall) {

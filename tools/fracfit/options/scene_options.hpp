@@ -37,9 +37,8 @@ void add_scene(Options& options, Scene& scene);
 class CompliantOptions {
  public:
   /// After --restitution is declared, which then may be left out.
-  /// @param several   whether those of contacts may be lists
-  /// @param friction  whether bodies may have dry friction
-  void add(Options& options, bool several = false, bool friction = true);
+  /// @param several  whether those of contacts may be lists
+  void add(Options& options, bool several = false);
   /// Refuses the option where contacts take time.
   static void exclude(Option& option, const std::string& why);
   /// Which of the two kinds of contact was given. @throws std::invalid_argument  none.
@@ -57,6 +56,7 @@ class CompliantOptions {
   /// Names of these two in contact_entries(), and their values for each contact: what tells contacts apart.
   [[nodiscard]] std::array<std::string, 2> columns() const;
   [[nodiscard]] std::vector<std::array<double, 2>> values() const;
+  [[nodiscard]] const backlash::CoulombFriction& friction() const { return friction_; }
 
  private:
   std::vector<double> stiffness_, damping_, frequency_, ratio_, restitution_;
@@ -65,7 +65,7 @@ class CompliantOptions {
 /// Entries of a file in place of that of a restitution.
 [[nodiscard]] io::Metadata contact_entries(const backlash::CompliantBodies& bodies);
 /// The last of them, of bodies whose contacts differ.
-[[nodiscard]] io::Metadata friction_entries(const backlash::CompliantBodies& bodies);
+[[nodiscard]] io::Metadata friction_entries(const backlash::CoulombFriction& friction);
 /// "near", "far" or "none".
 [[nodiscard]] std::string contact_word(const std::optional<backlash::Wall>& wall);
 /// Whether only commands with CompliantOptions take an option of that name.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/number.hpp"
+#include "options/scene_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
@@ -50,6 +51,19 @@ Json power_law_json(const frac::PowerLaw& law) {
 Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, double b_exponent) {
   return {{"a_of_clearance", {{"coefficient", a_coefficient}, {"exponent", a_exponent}}},
           {"b_of_clearance", {{"coefficient", b_coefficient}, {"exponent", b_exponent}}}};
+}
+
+std::string friction_words(const backlash::CoulombFriction& friction) {
+  if (friction.body1 == 0 && friction.body2 == 0) return {};
+  return "; dry friction " + short_number(friction.body1) + " N on M1, " + short_number(friction.body2) + " N on M2";
+}
+
+io::Metadata scene_entries(const JumpLawRun& run, backlash::JumpCriterion criterion) {
+  io::Metadata entries{{"mass1_kg", io::format_number(run.mass1)}, {"mass2_kg", io::format_number(run.mass2)}};
+  if (!run.contacts.empty())
+    for (auto& entry : friction_entries(run.friction)) entries.push_back(std::move(entry));
+  entries.emplace_back("criterion", std::string(backlash::to_string(criterion)));
+  return entries;
 }
 
 Json constants_json(const backlash::JumpGrid& grid) {
@@ -107,15 +121,13 @@ std::string contact_jumps_text(const JumpLawRun& run, backlash::JumpCriterion cr
   const auto fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& [force, clearance, contact, jump] = jumps[i];
     for (const double value : {force, clearance, contact[0], contact[1], jump.stiffness_group,
-                               jump.similarity_constant.value_or(nan), jump.exponent})
+                               jump.similarity_constant.value_or(nan), jump.exponent, jump.clearance_exponent})
       cells.emplace_back(value);
     cells.emplace_back(jump.message);
   };
-  return text_of({{{"mass1_kg", io::format_number(run.mass1)},
-                   {"mass2_kg", io::format_number(run.mass2)},
-                   {"criterion", std::string(backlash::to_string(criterion))}},
+  return text_of({scene_entries(run, criterion),
                   {{"force_n", "clearance_m", run.contact_columns[0], run.contact_columns[1], "stiffness_group",
-                    "similarity_constant", "exponent", "meaning"},
+                    "similarity_constant", "exponent", "clearance_exponent", "meaning"},
                    jumps.size(),
                    fill}},
                  format, run.command);
@@ -131,7 +143,8 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
   std::string text =
       paragraph("jump frequency w_J = a F^b (rad/s; F in N, Delta in m), M1 = " + short_number(run.mass1) +
                 " kg, M2 = " + short_number(run.mass2) + " kg, criterion " +
-                std::string(backlash::to_string(law.criterion)) + ", averaged over restitution") +
+                std::string(backlash::to_string(law.criterion)) + ", averaged over " +
+                (run.contacts.empty() ? "restitution" : "contacts") + friction_words(run.friction)) +
       "\n";
   AlignedTable table({"Delta/m", "a", "b", "R^2", "a paper", "", "b paper", "", "a exact", ""});
   for (const auto& [clearance, force_law] : law.laws)
@@ -163,16 +176,14 @@ std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
   };
   std::vector<std::string> columns{"force_n", "clearance_m", "restitution", "omega_jump_rad_s"};
   if (!run.contacts.empty()) columns.insert(columns.end(), run.contact_columns.begin(), run.contact_columns.end());
-  return text_of({{{"mass1_kg", io::format_number(run.mass1)},
-                   {"mass2_kg", io::format_number(run.mass2)},
-                   {"criterion", std::string(backlash::to_string(law.criterion))},
-                   {"a_coefficient", io::format_number(law.a_of_clearance.coefficient)},
-                   {"a_exponent", io::format_number(law.a_of_clearance.exponent)},
-                   {"b_coefficient", io::format_number(law.b_of_clearance.coefficient)},
-                   {"b_exponent", io::format_number(law.b_of_clearance.exponent)},
-                   {"mean_similarity_constant", io::format_number(law.mean_similarity_constant)}},
-                  {std::move(columns), law.points.size(), fill}},
-                 "csv", run.command);
+  io::Metadata head = scene_entries(run, law.criterion);
+  for (const auto& [key, value] : {std::pair{"a_coefficient", law.a_of_clearance.coefficient},
+                                   std::pair{"a_exponent", law.a_of_clearance.exponent},
+                                   std::pair{"b_coefficient", law.b_of_clearance.coefficient},
+                                   std::pair{"b_exponent", law.b_of_clearance.exponent},
+                                   std::pair{"mean_similarity_constant", law.mean_similarity_constant}})
+    head.emplace_back(key, io::format_number(value));
+  return text_of({std::move(head), {std::move(columns), law.points.size(), fill}}, "csv", run.command);
 }
 
 std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid) {
@@ -188,6 +199,10 @@ std::string jump_constants_json(const std::string& command, const backlash::Jump
 std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   Json json = origin(run.command);
   json["scene"] = {{"mass1_kg", run.mass1}, {"mass2_kg", run.mass2}, {"criterion", backlash::to_string(law.criterion)}};
+  if (!run.contacts.empty()) {
+    json["scene"]["friction1_n"] = run.friction.body1;
+    json["scene"]["friction2_n"] = run.friction.body2;
+  }
   json["criterion"] = backlash::to_string(law.criterion);
   json["mean_similarity_constant"] = law.mean_similarity_constant;
   // Names with units, as in every other output, beside those without, which older readers know.

@@ -19,6 +19,7 @@ struct JumpLawRun {
   /// others none.
   std::array<std::string, 2> contact_columns{};
   std::vector<std::array<double, 2>> contacts{};
+  backlash::CoulombFriction friction{};
 };
 
 /// The similarity law a = c (Delta M2)^-1/2, b = 1/2 at mean c.
@@ -38,7 +39,7 @@ struct SimilarityLaw {
 [[nodiscard]] std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid);
 [[nodiscard]] std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid);
 
-/// A row for each force, clearance and contact: c and the exponent b with contacts that take time.
+/// A row for each force, clearance and contact: c and the exponents with contacts that take time.
 struct ContactJump {
   double force, clearance;        // N, m
   std::array<double, 2> contact;  // as JumpLawRun::contacts

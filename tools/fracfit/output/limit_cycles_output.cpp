@@ -209,6 +209,13 @@ std::string motions_text(const std::vector<backlash::CompliantMotion>& motions) 
     if (count > 0)
       text += paragraph(std::to_string(count) + " of " + std::to_string(motions.size()) + " starts: " + what, 2);
   }
+  const auto outside = std::count_if(motions.begin(), motions.end(), [](const auto& motion) {
+    return motion.regime == backlash::LoopRegime::cycle && !motion.cycle;
+  });
+  if (outside > 0)
+    text += paragraph(std::to_string(outside) + " of " + std::to_string(motions.size()) +
+                          " starts: a cycle outside the range of --omega.",
+                      2);
   return text;
 }
 

@@ -642,9 +642,8 @@ def limit_cycles(
       1.58132 rad/s, stable
     """
     contact = contacts_of(restitution, contact_stiffness, contact_damping, friction1, friction2)
-    for name, value in (("band", band), ("branches", branches or None)):
-        if contact is not None and value is not None:
-            raise ValueError(f"{name} has no meaning with contact_stiffness, whose cycles are found from motions and from those of a restitution")
+    if contact is not None and branches:
+        raise ValueError("branches has no meaning with contact_stiffness, whose predictions stand on the orbit next to each cycle")
     found = _core.limit_cycles(
         _model(controller)._tf,
         _bodies(restitution, clearance, mass1, mass2, load_receptance, drive_receptance, body, contact),

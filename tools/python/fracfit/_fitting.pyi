@@ -69,6 +69,8 @@ def contact_jump_law(
     stiffness: Array,
     damping: Array,
     criterion: str,
+    friction1: float,
+    friction2: float,
     threads: int,
     report: Callable[[int, int], Any] | None,
     /,
@@ -92,5 +94,7 @@ def contact_jump_constants(
     stiffness: Array,
     damping: Array,
     criterion: str,
+    friction1: float,
+    friction2: float,
     /,
 ) -> list[Dict]: ...

@@ -340,7 +340,7 @@ class JumpConstants(_Record, Table):
     rows : list of dict
         Each with similarity_constant (None where there is no jump) and message, what happens at the jump or why there is none;
         and restitution, or of contacts that take time force (N), clearance (m), contact_stiffness (N/m), contact_damping
-        (N s/m), stiffness_group ``K Delta M2/(m F)`` and exponent, of the force near by.
+        (N s/m), stiffness_group ``K Delta M2/(m F)``, exponent and clearance_exponent, of force and clearance near by.
     """
 
     rows: list[dict[str, Any]]
@@ -366,6 +366,8 @@ def jump_law(
     mass2: float = 1.0,
     contact_stiffness: Any = None,
     contact_damping: Any = None,
+    friction1: float = 0.0,
+    friction2: float = 0.0,
     criterion: str | None = None,
     threads: int = 0,
     progress: Any = None,
@@ -381,6 +383,8 @@ def jump_law(
     mass2: float = 1.0,
     contact_stiffness: Any = None,
     contact_damping: Any = None,
+    friction1: float = 0.0,
+    friction2: float = 0.0,
     criterion: str | None = None,
     threads: int = 0,
     progress: Any = None,
@@ -396,6 +400,8 @@ def jump_law(
     mass2: float = 1.0,
     contact_stiffness: Any = None,
     contact_damping: Any = None,
+    friction1: float = 0.0,
+    friction2: float = 0.0,
     criterion: str | None = None,
     threads: int = 0,
     progress: Any = None,
@@ -412,6 +418,8 @@ def jump_law(
         ones of the latter two; by default the grid of the paper.
     contact_stiffness, contact_damping : float or array_like
         In place of restitutions: contacts that take time, N/m and N s/m.
+    friction1, friction2 : float
+        With them: dry friction on the masses, N.
     criterion : str
         As of `jump_frequency`; "two-impact-loss" unless given, where contacts take time "symmetry-loss" or "saddle-node".
 
@@ -432,6 +440,9 @@ def jump_law(
         raise ValueError("contact_stiffness needs contact_damping" if restitution is None else "give either restitution or contact_stiffness with contact_damping")
     if not takes_time and contact_damping is not None:
         raise ValueError("contact_damping has no meaning without contact_stiffness")
+    friction = number(friction1, "friction1"), number(friction2, "friction2")
+    if not takes_time and any(friction):
+        raise ValueError("friction1 and friction2 need contact_stiffness with contact_damping")
     if restitution is None:
         restitution = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
     if criterion is None:
@@ -443,8 +454,8 @@ def jump_law(
             *(real_array(np.atleast_1d(value), name) for name, value in (("contact_stiffness", contact_stiffness), ("contact_damping", contact_damping)))
         )]  # fmt: skip
         if flag(constants, "constants"):
-            return JumpConstants({"rows": _fitting.contact_jump_constants(*masses, *lists[:2], *contacts, text(criterion, "criterion"))})
-        return JumpLaw(_fitting.contact_jump_law(*masses, *lists[:2], *contacts, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law")))
+            return JumpConstants({"rows": _fitting.contact_jump_constants(*masses, *lists[:2], *contacts, text(criterion, "criterion"), *friction)})
+        return JumpLaw(_fitting.contact_jump_law(*masses, *lists[:2], *contacts, text(criterion, "criterion"), *friction, count(threads, "threads"), reporter(progress, "jump-law")))
     request = (*masses, *lists, text(criterion, "criterion"), count(threads, "threads"), reporter(progress, "jump-law"))
     if flag(constants, "constants"):
         return JumpConstants({"rows": _fitting.jump_constants(*request)})

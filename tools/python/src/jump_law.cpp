@@ -36,14 +36,16 @@ py::dict law(double mass1, double mass2, const Reals& force, const Reals& cleara
 
 // Of contacts that take time, given by two lists of one length.
 py::dict contact_law(double mass1, double mass2, const Reals& force, const Reals& clearance, const Reals& stiffness,
-                     const Reals& damping, const std::string& criterion, int threads, const py::object& report) {
+                     const Reals& damping, const std::string& criterion, double friction1, double friction2,
+                     int threads, const py::object& report) {
   const auto chosen = backlash::jump_criterion_from_string(criterion);
   const auto forces = vector_of(force), clearances = vector_of(clearance);
   std::vector<backlash::CompliantContact> contacts;
   for (py::ssize_t i = 0; i < stiffness.size(); ++i) contacts.emplace_back(stiffness.data()[i], damping.data()[i]);
   const auto found = result_of(
       [&](frac::Progress& progress) {
-        return backlash::fit_contact_jump_law(mass1, mass2, forces, clearances, contacts, chosen, threads, &progress);
+        return backlash::fit_contact_jump_law(mass1, mass2, forces, clearances, contacts, chosen, threads, &progress,
+                                              {friction1, friction2});
       },
       report);
   return dict_of_law(found);
@@ -62,10 +64,11 @@ py::list constants(double mass1, double mass2, const Reals& force, const Reals& 
   return object_of(found.constants).cast<py::list>();
 }
 
-// Of contacts that take time: stiffness_group, similarity_constant, exponent and message of each force, clearance and
+// Of contacts that take time: stiffness_group, similarity_constant, exponents and message of each force, clearance and
 // contact, the first slowest.
 py::list contact_constants(double mass1, double mass2, const Reals& force, const Reals& clearance,
-                           const Reals& stiffness, const Reals& damping, const std::string& criterion) {
+                           const Reals& stiffness, const Reals& damping, const std::string& criterion, double friction1,
+                           double friction2) {
   const auto chosen = backlash::jump_criterion_from_string(criterion);
   const auto forces = vector_of(force), clearances = vector_of(clearance);
   std::vector<backlash::CompliantContact> contacts;
@@ -75,15 +78,16 @@ py::list contact_constants(double mass1, double mass2, const Reals& force, const
     for (const double amplitude : forces) {
       for (const auto& contact : contacts) {
         const auto jump = result_of([&](frac::Progress&) {
-          return backlash::compliant_jump(backlash::stiffness_group(contact, mass1, mass2, gap, amplitude),
-                                          backlash::free_contact(contact, mass1, mass2).damping_ratio, chosen);
+          return backlash::compliant_jump(
+              {backlash::free_mass(mass1), backlash::free_mass(mass2), gap, contact, {friction1, friction2}}, amplitude,
+              chosen);
         });
-        rows.append(py::dict(py::arg("force") = amplitude, py::arg("clearance") = gap,
-                             py::arg("contact_stiffness") = contact.stiffness(),
-                             py::arg("contact_damping") = contact.damping(),
-                             py::arg("stiffness_group") = jump.stiffness_group,
-                             py::arg("similarity_constant") = jump.similarity_constant,
-                             py::arg("exponent") = jump.exponent, py::arg("message") = jump.message));
+        rows.append(
+            py::dict(py::arg("force") = amplitude, py::arg("clearance") = gap,
+                     py::arg("contact_stiffness") = contact.stiffness(), py::arg("contact_damping") = contact.damping(),
+                     py::arg("stiffness_group") = jump.stiffness_group,
+                     py::arg("similarity_constant") = jump.similarity_constant, py::arg("exponent") = jump.exponent,
+                     py::arg("clearance_exponent") = jump.clearance_exponent, py::arg("message") = jump.message));
       }
     }
   }

@@ -25,8 +25,10 @@
 namespace python {
 namespace {
 
-py::dict compliant_cycles(const backlash::CompliantLoop& loop, int harmonics, int starts) {
+py::dict compliant_cycles(const backlash::CompliantLoop& loop, const std::optional<std::pair<double, double>>& range,
+                          int harmonics, int starts) {
   backlash::CompliantCycleOptions options;
+  if (range) options.range = backlash::FrequencyRange{range->first, range->second};
   options.harmonics = harmonics;
   options.starts = starts;
   const auto found = result_of([&](frac::Progress&) { return backlash::compliant_cycles(loop, options); });
@@ -49,7 +51,7 @@ py::dict compliant_cycles(const backlash::CompliantLoop& loop, int harmonics, in
 py::dict cycles(const frac::FractionalTransferFunction& controller, const py::dict& bodies,
                 const std::optional<std::pair<double, double>>& range, int harmonics, int starts, bool branches) {
   if (const auto compliant = compliant_of(bodies))
-    return compliant_cycles({*compliant, controller, body_of(bodies)}, harmonics, starts);
+    return compliant_cycles({*compliant, controller, body_of(bodies)}, range, harmonics, starts);
   const backlash::ControlLoop loop = loop_of(controller, bodies);
   backlash::LimitCycleOptions options;
   if (range) options.range = backlash::FrequencyRange{range->first, range->second};

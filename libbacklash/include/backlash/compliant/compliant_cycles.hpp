@@ -42,8 +42,9 @@ struct CompliantCycle {
 /// What became of one start.
 struct CompliantMotion {
   LoopStart start;
-  LoopRegime regime;                 // quiet: bodies meet no more
-  std::optional<std::size_t> cycle;  // index in CompliantCycles::cycles
+  LoopRegime regime;  // quiet: bodies meet no more
+  std::optional<std::size_t>
+      cycle;  // index in CompliantCycles::cycles; none too of a cycle outside the range asked for
 };
 
 struct CompliantCycles {
@@ -53,7 +54,8 @@ struct CompliantCycles {
 };
 
 struct CompliantCycleOptions {
-  int starts = 3;  // 0 or more
+  std::optional<FrequencyRange> range;  // of cycles that are listed; all are looked for
+  int starts = 3;                       // 0 or more
   std::uint64_t seed = 1;
   std::size_t contacts = 600;  // followed from each start at most
   int harmonics = 5;           // listed of each cycle, 1 or more
@@ -65,7 +67,8 @@ struct CompliantCycleOptions {
 /// meeting of the bodies to the next, its derivative being the product of the flights' and of the jumps at events.
 /// Exact but for rounding for whole powers of s.  That no other cycle exists is not said; one in which bodies do not
 /// meet, as where dry friction and an integral make a body creep within the clearance, is not looked for.
-/// @throws std::invalid_argument  fewer than 0 starts, 0 contacts, fewer than one harmonic; contacts as fast as
+/// @throws std::invalid_argument  a range that is none; fewer than 0 starts, 0 contacts, fewer than one harmonic;
+/// contacts as fast as
 ///                                simulate_loop() refuses.
 [[nodiscard]] CompliantCycles compliant_cycles(const CompliantLoop& loop, const CompliantCycleOptions& options = {});
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/compliant/compliant_bodies.hpp"
 #include "backlash/compliant_contact.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "frac/identification/power_law.hpp"
@@ -72,13 +73,14 @@ struct PublishedJumpLaw {
                                  const std::vector<double>& clearance, const std::vector<double>& restitution,
                                  JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
 
-/// Of free masses whose contacts take time, by symmetry_loss or saddle_node, see compliant_jump(): c depends on the
-/// stiffness beside the force too, and the constant of a contact is the mean over the scenes.
+/// Of masses whose contacts take time, also with dry friction, by symmetry_loss or saddle_node, see compliant_jump(): c
+/// depends on stiffness and friction beside the force too, and the constant of a contact is the mean over the scenes.
 /// @param contact  each with a damping > 0
 [[nodiscard]] JumpGrid contact_jump_grid(double mass1, double mass2, const std::vector<double>& force,
                                          const std::vector<double>& clearance,
                                          const std::vector<CompliantContact>& contact, JumpCriterion criterion,
-                                         int threads = 0, frac::Progress* progress = nullptr);
+                                         int threads = 0, frac::Progress* progress = nullptr,
+                                         const CoulombFriction& friction = {});
 
 /// The power laws of such a grid.  Where fewer than two clearances have a jump at two forces there is none, and
 /// `message` says so.
@@ -89,6 +91,7 @@ struct PublishedJumpLaw {
 [[nodiscard]] JumpLaw fit_contact_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                            const std::vector<double>& clearance,
                                            const std::vector<CompliantContact>& contact, JumpCriterion criterion,
-                                           int threads = 0, frac::Progress* progress = nullptr);
+                                           int threads = 0, frac::Progress* progress = nullptr,
+                                           const CoulombFriction& friction = {});
 
 }  // namespace backlash
