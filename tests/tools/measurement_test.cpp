@@ -681,6 +681,7 @@ TEST_F(MeasurementTest, BodesRelationTellsOpenUnits) {
   // An impedance without a unit beside a phase is its magnitude.  A single point tells no unit.
   EXPECT_EQ(read("frequency,impedance,phase_deg\n10,5,0\n").data.value()[0], 5.0);
   refuses("frequency,Gain,phase\n10,5,0\n", "the phase has no unit");
+  refuses("frequency,Gain,phase\n0,5,0\n1,4,1\n2,4,1\n4,4,1\n8,4,1\n16,4,1\n32,4,1\n", "the phase has no unit");
 }
 
 TEST_F(MeasurementTest, UnitsAndEndsAsProgramsWriteThem) {

@@ -13,7 +13,7 @@ namespace io {
 /// nothing to do with each other, 2 where the phase has the other sign.  A one-port that only consumes energy has a
 /// minimum phase, so that this tells the sign of its imaginary part.
 /// @param omega  rising; in any unit, as the relation does not know one
-/// @return  nothing for fewer than six points, less than a decade or where a value is 0
+/// @return  nothing for fewer than six points, less than a decade or where a value or a frequency is 0
 [[nodiscard]] std::optional<double> departure_from_bode(const std::vector<double>& omega,
                                                         const std::vector<std::complex<double>>& value);
 
