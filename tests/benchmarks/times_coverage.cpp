@@ -2,6 +2,7 @@
 // How often the band and the intervals of relaxation_times() of data hold the density that made the data, which the
 // formula gives exactly, and how well they tell the constant.  Prints tables for tools/docs/times_coverage.md.
 // Arguments: [seeds] [first seed] | constant [spectra] [first seed]
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -90,43 +91,89 @@ void count(const support::ValidityModel& model, const support::Sweep& sweep, con
   }
 }
 
+struct Arc {
+  double resistance, time, order;
+};
+
+struct Spectrum {
+  double constant = 0, inductance = 0, noise = 0;
+  std::vector<Arc> arcs;
+  std::vector<double> omega;
+  std::vector<std::complex<double>> exact, measured;
+};
+
 /// A resistance and one to three arcs anywhere in a band of 1e-2 to 1e5 Hz, ten points per decade, and an inductance
 /// that is seen above the resistance in half of them.
-frac::FrequencyResponseData spectrum(std::uint64_t seed, double& constant) {
+Spectrum spectrum(std::uint64_t seed) {
   Random random(seed);
-  constant = random.log_uniform(0.5, 20);
-  const double inductance = random.below(2) == 0 ? 0 : constant * random.log_uniform(1e-7, 1e-6);
-  struct Arc {
-    double resistance, time, order;
-  };
-  std::vector<Arc> arcs(1 + random.below(3));
-  for (Arc& arc : arcs) arc = {random.log_uniform(3, 100), random.log_uniform(3e-6, 10), random.uniform(0.6, 1)};
-  const double noise = random.log_uniform(2e-3, 2e-2);
-  std::vector<double> omega;
-  std::vector<std::complex<double>> value;
+  Spectrum made;
+  made.constant = random.log_uniform(0.5, 20);
+  made.inductance = random.below(2) == 0 ? 0 : made.constant * random.log_uniform(1e-7, 1e-6);
+  made.arcs.resize(1 + random.below(3));
+  for (Arc& arc : made.arcs) arc = {random.log_uniform(3, 100), random.log_uniform(3e-6, 10), random.uniform(0.6, 1)};
+  made.noise = random.log_uniform(2e-3, 2e-2);
   for (int i = 0; i <= 70; ++i) {
     const std::complex<double> s(0, 2 * std::numbers::pi * std::pow(10, -2 + i / 10.0));
-    std::complex<double> z = constant + inductance * s;
-    for (const Arc& arc : arcs) z += arc.resistance / (1.0 + std::pow(arc.time * s, arc.order));
+    std::complex<double> z = made.constant + made.inductance * s;
+    for (const Arc& arc : made.arcs) z += arc.resistance / (1.0 + std::pow(arc.time * s, arc.order));
     const double real = random.normal(), imaginary = random.normal();
-    omega.push_back(s.imag());
-    value.push_back(z * (1.0 + noise * std::complex<double>(real, imaginary)));
+    made.omega.push_back(s.imag());
+    made.exact.push_back(z);
+    made.measured.push_back(z * (1.0 + made.noise * std::complex<double>(real, imaginary)));
   }
-  return {omega, value};
+  return made;
+}
+
+/// The least standard deviation of the constant that any unbiased estimate from these data can have (Cramer and Rao),
+/// for whoever knows the noise, that there may be an inductance, and how many arcs there are.
+double least_deviation(const Spectrum& made) {
+  const auto count = static_cast<Eigen::Index>(2 + 3 * made.arcs.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t i = 0; i < made.omega.size(); ++i) {
+    // By the constant, by the inductance in terms that the last point sees as ohms, by ln R, ln T and the order.
+    const std::complex<double> s(0, made.omega[i]);
+    Eigen::VectorXcd gradient(count);
+    gradient.head<2>() << 1.0, s / made.omega.back();
+    for (std::size_t k = 0; k < made.arcs.size(); ++k) {
+      const auto& [resistance, time, order] = made.arcs[k];
+      const auto power = std::pow(time * s, order), arc = resistance / (1.0 + power);
+      const auto slope = -arc * power / (1.0 + power);
+      gradient.segment<3>(static_cast<Eigen::Index>(2 + 3 * k)) << arc, slope * order, slope * std::log(time * s);
+    }
+    information += (gradient.conjugate() * gradient.transpose()).real() / std::norm(made.noise * made.exact[i]);
+  }
+  return std::sqrt(information.ldlt().solve(Eigen::VectorXd::Unit(count, 0))(0));
 }
 
 void count_constants(int spectra, int first) {
   int near = 0, below_half = 0, held = 0, excludes_zero = 0, peaks_beyond = 0;
+  // Spectra whose arcs have come down to a twentieth of the constant at the end of the band, and the others.
+  int ended = 0, near_ended = 0, held_ended = 0;
+  double possible = 0, possible_ended = 0, width = 0, width_ended = 0;
   std::vector<double> errors;
   for (int seed = first; seed < first + spectra; ++seed) {
-    double truth = 0;
-    const auto data = spectrum(static_cast<std::uint64_t>(seed), truth);
+    const Spectrum made = spectrum(static_cast<std::uint64_t>(seed));
+    const double truth = made.constant;
+    const frac::FrequencyResponseData data(made.omega, made.measured);
     const auto found = frac::relaxation_times(data, TimesKernel::falling);
     errors.push_back(std::abs(found.constant / truth - 1));
-    near += errors.back() <= 0.05;
+    const bool is_near = errors.back() <= 0.05;
+    const bool holds = found.constant_lower <= truth && truth <= found.constant_upper;
+    const double chance = std::erf(0.05 * truth / (std::sqrt(2.0) * least_deviation(made)));
+    const double wide = (found.constant_upper - found.constant_lower) / truth;
+    near += is_near;
     below_half += found.constant < 0.5 * truth;
-    held += found.constant_lower <= truth && truth <= found.constant_upper;
+    held += holds;
+    possible += chance;
+    width += wide;
     excludes_zero += found.constant_lower > 0;
+    if (made.exact.back().real() - truth <= 0.05 * truth) {
+      ++ended;
+      near_ended += is_near;
+      held_ended += holds;
+      possible_ended += chance;
+      width_ended += wide;
+    }
     // A maximum beyond the band.
     bool beyond = false;
     for (std::size_t i = 1; i + 1 < found.tau.size(); ++i) {
@@ -140,8 +187,16 @@ void count_constants(int spectra, int first) {
   std::printf(
       "| spectra | within 5 %% | below half | median error | interval holds | lower end above 0 | maximum beyond the "
       "band "
-      "|\n|---|---|---|---|---|---|---|\n| %d | %d | %d | %.1f %% | %d | %d | %d |\n",
+      "|\n|---|---|---|---|---|---|---|\n| %d | %d | %d | %.1f %% | %d | %d | %d |\n\n",
       spectra, near, below_half, 100 * errors[errors.size() / 2], held, excludes_zero, peaks_beyond);
+  std::printf("| arcs at the end of the band | spectra | within 5 %% | possible | interval holds | its mean width |\n");
+  std::printf("|---|---|---|---|---|---|\n");
+  const auto row = [](const char* name, int count, int within, double could, int holding, double wide) {
+    std::printf("| %s | %d | %d | %.0f | %d | %.0f %% |\n", name, count, within, could, holding,
+                100 * wide / std::max(count, 1));
+  };
+  row("to 5 % of the constant", ended, near_ended, possible_ended, held_ended, width_ended);
+  row("more", spectra - ended, near - near_ended, possible - possible_ended, held - held_ended, width - width_ended);
 }
 
 }  // namespace

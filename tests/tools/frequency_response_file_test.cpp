@@ -300,7 +300,7 @@ TEST_F(FrequencyResponseFileTest, RowsOfAnotherLengthAreRefused) {
   expect_error("f_Hz,re,im\n1,2,3\n1,2\n", 3, 4, "found 2 fields in '1,2'; expected 3 as in the header of line 1");
   expect_error("f_Hz,re,im\n1,2,3,4\n", 2, 7, "found 4 fields");
   expect_error("f_Hz,re,im\n1,2,3,\n", 2, 7, "found 4 fields");
-  expect_error("f_Hz,re,im\n1,2,3\nthe end\n", 3, 8, "found 1 field in 'the end'");
+  expect_error("f_Hz,re,im\n1,2,3\nthe end\n2,3,4\n", 3, 8, "found 1 field in 'the end'");
 }
 
 TEST_F(FrequencyResponseFileTest, BinaryRubbishIsAnError) {

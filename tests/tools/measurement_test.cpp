@@ -17,6 +17,7 @@
 #include <map>
 #include <numbers>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -354,7 +355,7 @@ TEST_F(MeasurementTest, MatFilesOfHdf5) {
   std::ifstream file(std::string(FRACFIT_SOURCE_DIR) + "/tests/tools/vectors_of_hdf5.mat", std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(file), {}};
   ASSERT_TRUE(whole.starts_with("MATLAB 7.3"));
-  expect(whole, "MAT-file, 3 points, Z_ohm", {{1, 2.0 - 1i}, {10, 1.5 - 0.5i}, {100, 1.0 - 0.25i}});
+  expect(whole, "MAT-file, 3 points, Z_ohm in ohm", {{1, 2.0 - 1i}, {10, 1.5 - 0.5i}, {100, 1.0 - 0.25i}});
   // Cut off anywhere it is refused.
   for (std::size_t length = 130; length < whole.size(); length += 250) refuses(whole.substr(0, length), "MAT-file");
 }
@@ -591,6 +592,134 @@ TEST_F(MeasurementTest, AnImaginaryPartAndAPhaseHaveOneSign) {
   expect("f/Hz,Z'/ohm,Z''/ohm,phase/deg\n10,3,4,53\n20,3,0.001,-0.01\n", "table, 2 points, Z'/Z'' in ohm",
          {{10, 3.0 + 4i}, {20, 3.0 + 0.001i}});
   expect("f/Hz,G'/Pa,G''/Pa,phase/deg\n10,3,4,-53\n", "table, 1 point, G'/G'' in Pa", {{10, 3.0 + 4i}});
+}
+
+// Spectra of which theory knows the sign: a resistance before an arc, R0 + R1/(1 + (s T)^a), as three columns of 24
+// rows.
+enum class Form { parts, negative_parts, polar, negative_polar };
+std::string three_columns(Form form, double a, double resistance) {
+  std::ostringstream text;
+  text.precision(9);
+  for (int i = 0; i < 24; ++i) {
+    const double f = std::pow(10, 5 - i / 4.0);
+    const std::complex<double> z = resistance + 30.0 / (1.0 + std::pow(std::complex<double>(0, turn * f * 1e-3), a));
+    const double sign = form == Form::negative_parts || form == Form::negative_polar ? -1 : 1;
+    text << f << ' ';
+    if (form == Form::parts || form == Form::negative_parts)
+      text << z.real() << ' ' << sign * z.imag() << '\n';
+    else
+      text << std::abs(z) << ' ' << sign * std::arg(z) * 360 / turn << '\n';
+  }
+  return text.str();
+}
+
+// Bode's relation tells which three columns without names are; an arc with phases below 0 is no modulus.  Of a
+// resistance near 180/pi, with little beside it, Re and Im are magnitude and phase in degrees, and nothing is told.
+TEST_F(MeasurementTest, ColumnsWithoutNamesAreToldByBodesRelation) {
+  for (const double a : {0.6, 0.8, 1.0})
+    for (const double resistance : {0.3, 5.0})
+      for (const Form form : {Form::parts, Form::negative_parts, Form::polar, Form::negative_polar}) {
+        const std::string rows = three_columns(form, a, resistance);
+        for (const std::string& above : {std::string(), std::string("some words\n\n24\n"), std::string("* made\n")}) {
+          const auto data = read(above + rows);
+          ASSERT_EQ(data.data.size(), 24U);
+          const std::complex<double> s(0, data.data.omega()[12] * 1e-3);
+          const std::complex<double> expected = resistance + 30.0 / (1.0 + std::pow(s, a));
+          // Nine digits are written.
+          EXPECT_LT(std::abs(data.data.value()[12] - expected), 1e-7 * std::abs(expected)) << above << rows;
+        }
+      }
+  // A modulus may be in rad/s, names that no reader knows say something, and a record is no spectrum.
+  std::string modulus, record;
+  for (int i = 1; i < 24; ++i) {
+    const auto g = std::pow(std::complex<double>(0, std::pow(10, i / 6.0)), 0.4);
+    modulus +=
+        std::to_string(std::pow(10, i / 6.0)) + ' ' + std::to_string(g.real()) + ' ' + std::to_string(g.imag()) + '\n';
+    record +=
+        std::to_string(0.1 * i) + ' ' + std::to_string(std::sin(i)) + ' ' + std::to_string(std::sin(i - 0.5)) + '\n';
+  }
+  refuses(modulus, "with no header row above");
+  refuses(record, "with no header row above");
+  refuses("x y z\n" + three_columns(Form::parts, 0.8, 10), "no frequency column");
+}
+
+// Of an impedance that consumes energy the slope of the magnitude tells the sign, whatever the name says.
+TEST_F(MeasurementTest, AnImpedanceHasTheSignOfItsSlope) {
+  for (const char* names : {"freq Zreal Zimag\n", "f_Hz Z' -Z''\n"})
+    for (const Form form : {Form::parts, Form::negative_parts}) {
+      const auto data = read(names + three_columns(form, 0.8, 10));
+      EXPECT_LT(data.data.value()[12].imag(), 0) << names;
+      const bool is_told = (std::string(names).find('-') != std::string::npos) == (form == Form::negative_parts);
+      EXPECT_EQ(is_told, std::none_of(data.notes.begin(), data.notes.end(),
+                                      [](const std::string& note) { return note.find("Bode") != std::string::npos; }));
+    }
+  // Parts without a symbol may be those of any response, and columns that are told are taken as they stand.
+  EXPECT_GT(read("f_Hz re im\n" + three_columns(Form::negative_parts, 0.8, 10)).data.value()[12].imag(), 0);
+  io::MeasurementOptions how;
+  how.columns = "f=1,re=2,im=3";
+  EXPECT_GT(read("f Zreal Zimag\n" + three_columns(Form::negative_parts, 0.8, 10), how).data.value()[12].imag(), 0);
+}
+
+// A phase without a unit beside a magnitude without one: two by two readings, of which the data follow one.
+TEST_F(MeasurementTest, BodesRelationTellsOpenUnits) {
+  for (const bool is_db : {false, true})
+    for (const bool is_deg : {false, true}) {
+      std::ostringstream text;
+      text.precision(12);
+      text << "frequency,Gain,phase\n";
+      for (int i = 0; i < 24; ++i) {
+        const double f = std::pow(10, i / 5.0);
+        const std::complex<double> h = 4.0 / (1.0 + 1i * (f / 300));
+        text << f << ',' << (is_db ? 20 * std::log10(std::abs(h)) : std::abs(h)) << ','
+             << std::arg(h) * (is_deg ? 360 / turn : 1) << '\n';
+      }
+      const auto data = read(text.str()).data;
+      const std::complex<double> expected = 4.0 / (1.0 + 1i * (data.omega()[15] / turn / 300));
+      // Twelve digits are written.
+      EXPECT_LT(std::abs(data.value()[15] - expected), 1e-10 * std::abs(expected)) << is_db << is_deg;
+    }
+  // An impedance without a unit beside a phase is its magnitude.  A single point tells no unit.
+  EXPECT_EQ(read("frequency,impedance,phase_deg\n10,5,0\n").data.value()[0], 5.0);
+  refuses("frequency,Gain,phase\n10,5,0\n", "the phase has no unit");
+  refuses("frequency,Gain,phase\n0,5,0\n1,4,1\n2,4,1\n4,4,1\n8,4,1\n16,4,1\n32,4,1\n", "the phase has no unit");
+}
+
+TEST_F(MeasurementTest, UnitsAndEndsAsProgramsWriteThem) {
+  EXPECT_EQ(read("freq_hz,z_real_mohm_cm2,z_imag_mohm_cm2\n10,3,-4\n").value_unit, "mohm_cm2");
+  EXPECT_EQ(read("f_Hz,storage_mpa,loss_mpa\n10,3,4\n").value_unit, "mpa");
+  EXPECT_EQ(read("Frequency,Impedance,Phase,more\n[Hz],[Ohm],[rad],\n10,5,0,1\n").value_unit, "ohm");
+  EXPECT_EQ(read("x: y\nFrequency (Hz),TR2: Impedance (Real),TR2: Impedance (Imag)\n10,3,-4\n").data.value()[0],
+            3.0 - 4i);
+  EXPECT_EQ(read("* text\n* Freq(Hz), SPL(dB), Phase(degrees)\n10, 20, 0\n").data.value()[0], 10.0);
+  EXPECT_EQ(read("!made\n\nBEGIN\nf(Hz), re, im\n1, 3, -4\n2, 3, -4\nEND\n").data.size(), 2U);
+  // Rows whose first fields are empty, below names whose first is not.
+  EXPECT_EQ(read("Interval\tf_Hz\tre\tim\tnote\n\t10\t3\t-4\ta\n\t20\t3\t-4\t\n").data.value()[0], 3.0 - 4i);
+  io::MeasurementOptions how;
+  how.frequency_unit = "MHz";
+  EXPECT_NEAR(read("frequency_mhz,re,im\n1,3,-4\n", how).data.omega()[0], 1e6 * turn, 1e-8 * turn);
+}
+
+// Names that are put together of words: whose part, which part, unit; a word of the program may stand before them.
+TEST_F(MeasurementTest, NamesArePutTogetherOfWords) {
+  const std::string rows = "10,3,-4\n20,2,-1\n";
+  for (const char* names :
+       {"freq,Z_REAL,Z_IMAGINARY", "Data: Frequency,Data: Z',Data: Z''", "Test Frequency (Hz),R (Ohms),X (Ohms)",
+        "Frequency,Resistance,Reactance", "frequency_hz,real_impedance_ohm,imag_impedance_ohm",
+        "Measured Frequency (Hz),Measured Zreal (Ohm),Measured Zimag (Ohm)", "f,Zr,Zi", "f,z_prime,z_double_prime"}) {
+    const auto data = read(names + ('\n' + rows)).data;
+    EXPECT_EQ(data.value()[0], 3.0 - 4i) << names;
+    EXPECT_NEAR(data.omega()[0], 10 * turn, 1e-12) << names;
+  }
+  EXPECT_EQ(read("f,Z_re,neg_Z_im\n10,3,4\n20,2,1\n").data.value()[0], 3.0 - 4i);
+  for (const char* names : {"Frequency (Hz),Trace 1: Gain: Magnitude (dB),Trace 1: Gain: Phase (\xC2\xB0)",
+                            "Frequency_Hz,Gain (dB),\xCF\x86 (deg)"})
+    EXPECT_LT(std::abs(read(names + std::string("\n10,20,-90\n")).data.value()[0] + 10i), 1e-14) << names;
+  EXPECT_EQ(read("Frequency_Hz,Impedance_Ohm,Phase_deg\n10,5,0\n").value_unit, "ohm");
+  EXPECT_EQ(read("f_kHz,Z (k\xCE\xA9),Phase (deg)\n10,5,0\n").value_unit, "k\xCE\xA9");
+  EXPECT_EQ(read("f_Hz,eps_real,eps_imag\n10,3,4\n").data.value()[0], 3.0 - 4i);
+  // Between names and rows other lines may stand; a line of as many names is one.
+  EXPECT_EQ(read("Data: Frequency;Data: Z';Data: Z''\nDC=0;model;\n10;3;-4\n").data.value()[0], 3.0 - 4i);
+  refuses("Frequency;Z';Z''\na;b;c\n10;3;-4\n", "found 'a'");
 }
 
 TEST_F(MeasurementTest, ASmallEIsEpsilonUnlessItHasAPressure) {
@@ -968,15 +1097,14 @@ TEST_F(MeasurementTest, BinaryFilesOfOtherProgramsSayHowToExport) {
   std::string session;
   for (const char c : std::string("{\"Type\":\"PalmSens.DataFiles.SessionFile\",\"Measurements\":[]}"))
     session += {c, '\0'};
-  for (const auto& [content, sentence] :
-       {std::pair{"BIO-LOGIC MODULAR FILE\x1A" + zeros, "Export as Text writes .mpt"s},
-        {zeros.substr(0, 16) + "\xFB\0\0\0\r\0Version=11"s + zeros, "(.idf)"s},
-        {session, "(.pssession)"s},
-        {"\xFF\xFE" + session, "(.pssession)"s},
-        {"version8.0\r\n 2\r\n 0\r\n 1000\r\n"s, "(.dfr)"s},
-        {"TDSm" + zeros, "TDMS"s},
-        {"\x89HDF\r\n\x1A\n" + zeros, "is an HDF5 file"s},
-        {"\xD0\xCF\x11\xE0" + zeros, "(.xls)"s}})
+  for (const auto& [content, sentence] : {std::pair{"BIO-LOGIC MODULAR FILE\x1A" + zeros, "which EC-Lab exports"s},
+                                          {zeros.substr(0, 16) + "\xFB\0\0\0\r\0Version=11"s + zeros, "(.idf)"s},
+                                          {session, "(.pssession)"s},
+                                          {"\xFF\xFE" + session, "(.pssession)"s},
+                                          {"version8.0\r\n 2\r\n 0\r\n 1000\r\n"s, "(.dfr)"s},
+                                          {"TDSm" + zeros, "TDMS"s},
+                                          {"\x89HDF\r\n\x1A\n" + zeros, "is an HDF5 file"s},
+                                          {"\xD0\xCF\x11\xE0" + zeros, "(.xls)"s}})
     refuses(content, sentence);
 }
 

@@ -136,6 +136,7 @@ std::optional<NamedBase> find_base(std::string_view name) {
     if (joined.size() <= base.name.size() || !joined.starts_with(base.name) || joined[base.name.size()] != '_')
       continue;
     const auto unit = without_gaps(without_gaps(name).substr(base.name.size()));
+    if (base.quantity == Quantity::magnitude && lowered(unit) == "linear") return NamedBase{base, {}};
     if (!is_statistic(lowered(unit))) return NamedBase{base, std::string(unit)};
   }
   return std::nullopt;
@@ -247,10 +248,34 @@ std::optional<SplitName> split_before_unit(std::string_view name) {
   if (auto split = split_at(units_of_frequency, [](Quantity what) { return what == Quantity::frequency; }))
     return split;
   if (auto split = split_at(units_of_phase, [](Quantity what) { return what == Quantity::phase; })) return split;
-  return split_at(units_of_values, [](Quantity what) {
+  const auto is_value = [](Quantity what) {
     return what == Quantity::real || what == Quantity::imaginary || what == Quantity::negative_imaginary ||
            what == Quantity::magnitude;
-  });
+  };
+  if (auto split = split_at(units_of_values, is_value)) return split;
+  // "z_real_mohm_cm2", "loss_mpa": what stands behind a gap is written as a unit is.
+  if (name.find_first_of("[(") != std::string_view::npos) return std::nullopt;
+  for (auto gap = name.find_last_of(" _"); gap != std::string_view::npos && gap > 0;
+       gap = name.find_last_of(" _", gap - 1)) {
+    const std::string before(name.substr(0, gap)), unit(name.substr(gap + 1));
+    if (!is_unit_of_material(unit)) continue;
+    const ColumnMeaning meaning = column_meaning(before + " [" + unit + "]");
+    if (is_value(meaning.quantity) && !meaning.symbol.empty()) return SplitName{before, unit};
+  }
+  return std::nullopt;
+}
+
+// "Data: Z'", "TR2: Gain", "Trace 1 Re", "Test Frequency": what stands before a colon, or a first word with a number,
+// says how a value came about.
+std::optional<std::string_view> behind_a_word_of_measurement(std::string_view name) {
+  if (const auto colon = name.find(": "); colon != std::string_view::npos) return name.substr(colon + 2);
+  for (const std::string_view word : {"data", "trace", "channel", "measured", "test", "signal", "ac", "shear"}) {
+    if (lowered(name.substr(0, word.size())) != word) continue;
+    const auto rest = name.substr(word.size());
+    const auto end = rest.find_first_not_of(" _.0123456789");
+    if (end != 0 && end != std::string_view::npos) return rest.substr(end);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -279,6 +304,8 @@ ColumnMeaning column_meaning(std::string_view name) {
     angular = found->base.angular;
   } else if (const auto split = split_before_unit(name)) {
     return column_meaning(split->base + " [" + split->unit + "]");
+  } else if (const auto bare = behind_a_word_of_measurement(name)) {
+    return column_meaning(*bare);
   }
   if (meaning.quantity == Quantity::frequency) read_frequency_unit(angular, meaning);
   if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);

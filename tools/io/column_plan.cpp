@@ -2,8 +2,13 @@
 #include "io/column_plan.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
 #include <stdexcept>
 
+#include "io/bode_relation.hpp"
 #include "io/fields.hpp"
 #include "io/number.hpp"
 
@@ -64,6 +69,8 @@ Planner::Planner(const TextTable& table, const std::string& label, const Measure
   keep_one_symbol();
   take_frequency_unit(how.frequency_unit);
   take_hertz();
+  take_bare_impedance();
+  tell_open_units();
 }
 
 ColumnPlan Planner::plan(const FrequencyResponseReadOptions& options) {
@@ -145,7 +152,7 @@ void Planner::take_frequency_unit(const std::string& unit) {
   if (unit.empty()) return;
   for (auto& meaning : meanings_) {
     if (meaning.quantity != Quantity::frequency) continue;
-    if (!meaning.unit.empty())
+    if (!meaning.unit.empty() && meaning.problem.empty())
       throw std::invalid_argument("--frequency-unit " + unit + ": the frequency of " + table_.file() +
                                   " has the unit " + quoted(meaning.unit) + " in its name");
     const ColumnMeaning told = column_meaning("f[" + unit + "]");
@@ -164,6 +171,70 @@ void Planner::take_hertz() {
                          " has no unit and is taken as Hz; --frequency-unit rad/s reads the other";
     return;
   }
+}
+
+void Planner::take_bare_impedance() {
+  const auto has = [&](Quantity quantity) { return !columns_with(quantity).empty(); };
+  if (!has(Quantity::phase) || has(Quantity::magnitude) || has(Quantity::magnitude_db) || has(Quantity::real) ||
+      has(Quantity::imaginary) || has(Quantity::negative_imaginary))
+    return;
+  for (std::size_t i = 0; i < meanings_.size(); ++i) {
+    const std::string name(table_.header()[i].text);
+    ColumnMeaning with_unit = column_meaning(name + " [ohm]");
+    if (meanings_[i].quantity != Quantity::other || with_unit.quantity != Quantity::magnitude ||
+        with_unit.symbol != "z")
+      continue;
+    meanings_[i] = std::move(with_unit);
+    meanings_[i].unit.clear();
+    return;
+  }
+}
+
+void Planner::tell_open_units() {
+  const auto phases = columns_with(Quantity::phase), magnitudes = columns_with(Quantity::magnitude);
+  const auto from = frequency();
+  if (!from || phases.size() != 1 || magnitudes.size() != 1 || !meanings_[phases.front()].unit.empty() ||
+      meanings_[phases.front()].problem.empty())
+    return;
+  ColumnMeaning &phase = meanings_[phases.front()], &magnitude = meanings_[magnitudes.front()];
+  std::vector<std::array<double, 3>> rows;
+  table_.for_each_row([&](const TextTable::Row& row) {
+    const auto number = [&](std::size_t column) { return parse_number(row.fields[column]).value_or(std::nan("")); };
+    rows.push_back({number(*from), number(magnitudes.front()), number(phases.front())});
+  });
+  std::sort(rows.begin(), rows.end());
+  std::vector<double> omega;
+  for (const auto& row : rows) omega.push_back(row[0]);
+  if (std::any_of(rows.begin(), rows.end(), [](const auto& row) { return !std::isfinite(row[0] + row[1] + row[2]); }))
+    return;
+  struct Reading {
+    bool is_db, is_deg;
+    double departure;
+  };
+  std::vector<Reading> readings;
+  const bool may_be_db = magnitude.unit.empty() && magnitude.symbol.empty();
+  for (const bool is_db : {false, true})
+    for (const bool is_deg : {false, true}) {
+      if (is_db && !may_be_db) continue;
+      std::vector<std::complex<double>> values;
+      for (const auto& row : rows)
+        values.push_back(std::polar(is_db ? std::pow(10, row[1] / 20) : std::max(row[1], 0.0),
+                                    is_deg ? row[2] * std::numbers::pi / 180 : row[2]));
+      if (const auto departure = departure_from_bode(omega, values)) readings.push_back({is_db, is_deg, *departure});
+    }
+  std::sort(readings.begin(), readings.end(),
+            [](const Reading& a, const Reading& b) { return a.departure < b.departure; });
+  if (readings.empty() || readings.front().departure > agrees_with_bode ||
+      (readings.size() > 1 && readings[1].departure < clearly_beside_bode * readings.front().departure))
+    return;
+  const Reading& best = readings.front();
+  phase = column_meaning(best.is_deg ? "phase_deg" : "phase_rad");
+  phase.assumption = "column " + quoted(table_.header()[phases.front()].text) + " has no unit and is in " +
+                     (best.is_deg ? "degrees" : "radians") + " by Bode's relation to the magnitude";
+  if (!best.is_db) return;
+  magnitude.quantity = Quantity::magnitude_db;
+  magnitude.assumption = "column " + quoted(table_.header()[magnitudes.front()].text) +
+                         " has no unit and is in dB by Bode's relation to the phase";
 }
 
 void Planner::fail_at(std::size_t column, const std::string& message) const {
@@ -200,9 +271,7 @@ std::size_t Planner::frequency_column() const {
     return column;
   }
   if (!found.empty()) fail_at(found.front(), meanings_[found.front()].problem);
-  fail_missing(
-      "frequency column",
-      "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like, or --columns f=1,re=2,im=3");
+  fail_missing("frequency column", "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like, or --columns f=1,re=2,im=3");
 }
 
 void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOptions& options) const {

@@ -69,6 +69,10 @@ class Planner {
   void take_frequency_unit(const std::string& unit);
   // A frequency without a unit, where no other column is one, is in hertz: f as against omega.
   void take_hertz();
+  // "impedance" without a unit beside a phase, where nothing else is a value, is the magnitude.
+  void take_bare_impedance();
+  // A phase without a unit, and a magnitude beside it that may be in dB: Bode's relation tells where it is clear.
+  void tell_open_units();
   [[noreturn]] void fail_at(std::size_t column, const std::string& message) const;
   [[noreturn]] void fail_missing(const std::string& what, const std::string& expected) const;
   [[nodiscard]] std::vector<std::size_t> columns_with(Quantity quantity) const;

@@ -122,7 +122,6 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
     if (plan.spread) points.sigma.pop_back();
   });
   if (points.omega.empty()) fail_empty(table.file(), rows, options.where);
-  if (!is_of_instrument) signs.refuse_if_opposite();
   note_points_at_rest(at_rest, notes);
   if (empty > 0)
     notes.push_back(std::to_string(empty) + (empty == 1 ? " row" : " rows") +
@@ -135,6 +134,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
     notes.push_back(std::to_string(points.omega.size()) + " of " + std::to_string(rows) +
                     " points satisfy the conditions and are used");
   sort_by_frequency(points, is_of_instrument ? ignored : notes);
+  if (!is_of_instrument) signs.settle(points, notes);
   if (is_repeated(points.omega) && options.rows.empty() && !options.repeats_are_points) {
     const SweepColumn column = sweep_column(table, measurement.how);
     // Conditions may have left one of them.

@@ -12,15 +12,17 @@ namespace {
 
 // Lower case without blanks, underscores, dots and stars; primes of all kinds as apostrophes.
 std::string plain(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> written{{{"\xE2\x80\xB2", "'"},
-                                                                                  {"\xE2\x80\xB3", "''"},
-                                                                                  {"\xE2\x80\x99", "'"},
-                                                                                  {"\xE2\x80\x9D", "''"},
-                                                                                  {"\xCE\xB5", "eps"},
-                                                                                  {"\xCF\x89", "omega"},
-                                                                                  {"\xCE\xB4", "delta"},
-                                                                                  {"\xCE\xB8", "theta"},
-                                                                                  {"\"", "''"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> written{{{"\xE2\x80\xB2", "'"},
+                                                                                   {"\xE2\x80\xB3", "''"},
+                                                                                   {"\xE2\x80\x99", "'"},
+                                                                                   {"\xE2\x80\x9D", "''"},
+                                                                                   {"\xCE\xB5", "eps"},
+                                                                                   {"\xCF\x89", "omega"},
+                                                                                   {"\xCE\xB4", "delta"},
+                                                                                   {"\xCE\xB8", "theta"},
+                                                                                   {"\xCF\x86", "phi"},
+                                                                                   {"\xCF\x95", "phi"},
+                                                                                   {"\"", "''"}}};
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
     const auto* const found = std::find_if(written.begin(), written.end(),
@@ -45,17 +47,6 @@ std::string plain(std::string_view name) {
   return text;
 }
 
-// "re(z)" -> "rez": brackets around a quantity belong to the name, those around a unit do not.
-void open_brackets(std::string& name) {
-  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)", "(delta)", "(elasticcomponent)",
-                                        "(viscouscomponent)", "(complexcomponent)"}) {
-    const auto at = name.find(symbol);
-    if (at == std::string::npos || at == 0) continue;
-    name.replace(at, symbol.size(), symbol.substr(1, symbol.size() - 2));
-    return;
-  }
-}
-
 struct Known {
   std::string_view name;
   Quantity quantity;
@@ -67,27 +58,15 @@ constexpr std::array known{
     Known{"frequency", Quantity::frequency}, Known{"freq", Quantity::frequency}, Known{"f", Quantity::frequency},
     Known{"omega", Quantity::frequency, "w"}, Known{"w", Quantity::frequency, "w"},
     Known{"angularfrequency", Quantity::frequency, "w"}, Known{"angfrequency", Quantity::frequency, "w"},
-    Known{"angfreq", Quantity::frequency, "w"}, Known{"zreal", Quantity::real, "z"}, Known{"zre", Quantity::real, "z"},
-    Known{"rez", Quantity::real, "z"}, Known{"realz", Quantity::real, "z"}, Known{"z'", Quantity::real, "z"},
-    Known{"zimag", Quantity::imaginary, "z"}, Known{"zimg", Quantity::imaginary, "z"},
-    Known{"datareal", Quantity::real}, Known{"dataimag", Quantity::imaginary}, Known{"theta-z", Quantity::phase, "z"},
+    Known{"angfreq", Quantity::frequency, "w"}, Known{"theta-z", Quantity::phase, "z"},
     Known{"shearmoduluselasticcomponent", Quantity::real, "g"},
-    Known{"shearmodulusviscouscomponent", Quantity::imaginary, "g"}, Known{"zim", Quantity::imaginary, "z"},
-    Known{"imz", Quantity::imaginary, "z"}, Known{"imagz", Quantity::imaginary, "z"},
-    Known{"z''", Quantity::imaginary, "z"}, Known{"|z|", Quantity::magnitude, "z"},
-    Known{"zmod", Quantity::magnitude, "z"}, Known{"zmag", Quantity::magnitude, "z"},
-    Known{"modz", Quantity::magnitude, "z"}, Known{"z", Quantity::magnitude, "z", "ohm"},
-    Known{"zphz", Quantity::phase, "z"}, Known{"phasez", Quantity::phase, "z"}, Known{"zphase", Quantity::phase, "z"},
-    Known{"theta", Quantity::phase}, Known{"phaseangle", Quantity::phase}, Known{"phase", Quantity::phase},
-    Known{"yreal", Quantity::real, "y"}, Known{"rey", Quantity::real, "y"}, Known{"y'", Quantity::real, "y"},
-    Known{"yimag", Quantity::imaginary, "y"}, Known{"imy", Quantity::imaginary, "y"},
-    Known{"y''", Quantity::imaginary, "y"}, Known{"|y|", Quantity::magnitude, "y"},
-    Known{"phasey", Quantity::phase, "y"}, Known{"g'", Quantity::real, "g"}, Known{"gstor", Quantity::real, "g"},
-    Known{"gstorage", Quantity::real, "g"}, Known{"storagemodulus", Quantity::real, "g"},
-    Known{"g''", Quantity::imaginary, "g"}, Known{"gloss", Quantity::imaginary, "g"},
-    Known{"lossmodulus", Quantity::imaginary, "g"}, Known{"e'", Quantity::real, "e"},
-    Known{"estor", Quantity::real, "e"}, Known{"estorage", Quantity::real, "e"}, Known{"e''", Quantity::imaginary, "e"},
-    Known{"eloss", Quantity::imaginary, "e"},
+    Known{"shearmodulusviscouscomponent", Quantity::imaginary, "g"}, Known{"z", Quantity::magnitude, "z", "ohm"},
+    Known{"theta", Quantity::phase}, Known{"phase", Quantity::phase}, Known{"g'", Quantity::real, "g"},
+    Known{"gstor", Quantity::real, "g"}, Known{"gstorage", Quantity::real, "g"},
+    Known{"storagemodulus", Quantity::real, "g"}, Known{"g''", Quantity::imaginary, "g"},
+    Known{"gloss", Quantity::imaginary, "g"}, Known{"lossmodulus", Quantity::imaginary, "g"},
+    Known{"e'", Quantity::real, "e"}, Known{"estor", Quantity::real, "e"}, Known{"estorage", Quantity::real, "e"},
+    Known{"e''", Quantity::imaginary, "e"}, Known{"eloss", Quantity::imaginary, "e"},
     // The loss of a dielectric is counted positive: eps = eps' - i eps''.
     Known{"epsr'", Quantity::real, "eps"}, Known{"epsr''", Quantity::negative_imaginary, "eps"},
     Known{"eps'", Quantity::real, "eps"}, Known{"epsilon'", Quantity::real, "eps"},
@@ -97,19 +76,16 @@ constexpr std::array known{
     // Resistance and reactance in series, as bridges write them.
     Known{"r", Quantity::real, "z", "ohm"}, Known{"x", Quantity::imaginary, "z", "ohm"},
     Known{"rs", Quantity::real, "z", "ohm"}, Known{"xs", Quantity::imaginary, "z", "ohm"},
-    Known{"resistance", Quantity::real, "z", "ohm"}, Known{"reactance", Quantity::imaginary, "z", "ohm"},
-    Known{"zr", Quantity::real, "z", "ohm"}, Known{"zi", Quantity::imaginary, "z", "ohm"},
-    Known{"impedancereal", Quantity::real, "z"}, Known{"realimpedance", Quantity::real, "z"},
-    Known{"impedanceimag", Quantity::imaginary, "z"}, Known{"imagimpedance", Quantity::imaginary, "z"},
-    Known{"impedanceimaginary", Quantity::imaginary, "z"}, Known{"imaginaryimpedance", Quantity::imaginary, "z"},
+    Known{"resistance", Quantity::real, "z"}, Known{"reactance", Quantity::imaginary, "z"},
+    Known{"zr", Quantity::real, "z"}, Known{"zi", Quantity::imaginary, "z"},
     Known{"impedance", Quantity::magnitude, "z", "ohm"}, Known{"imp", Quantity::magnitude, "z", "ohm"},
-    Known{"impedancemagnitude", Quantity::magnitude, "z"}, Known{"impedancephase", Quantity::phase, "z"},
+    // Sound pressure level, and the words of a modulus by themselves.
+    Known{"spl", Quantity::magnitude, "", "dB"}, Known{"storage", Quantity::real, "g", "Pa"},
+    Known{"loss", Quantity::imaginary, "g", "Pa"},
     // Conductance and susceptance.
     Known{"conductance", Quantity::real, "y", "S"}, Known{"susceptance", Quantity::imaginary, "y", "S"},
     Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
     // A transfer function.
-    Known{"hreal", Quantity::real}, Known{"himag", Quantity::imaginary}, Known{"hre", Quantity::real},
-    Known{"him", Quantity::imaginary},
     // Names in other languages.
     Known{"frequenz", Quantity::frequency}, Known{"messfrequenz", Quantity::frequency},
     Known{"kreisfrequenz", Quantity::frequency, "w"}, Known{"winkelfrequenz", Quantity::frequency, "w"},
@@ -184,12 +160,133 @@ constexpr std::array known{
     // Moduli and permittivities.
     Known{"|g|", Quantity::magnitude, "g"}, Known{"complexmodulus", Quantity::magnitude, "g"},
     Known{"complexshearmodulus", Quantity::magnitude, "g"}, Known{"|e|", Quantity::magnitude, "e"},
-    Known{"|eps|", Quantity::magnitude, "eps"}, Known{"permittivity'", Quantity::real, "eps"},
-    Known{"permittivity''", Quantity::negative_imaginary, "eps"}, Known{"delta", Quantity::phase, "", "deg"},
+    Known{"|eps|", Quantity::magnitude, "eps"}, Known{"delta", Quantity::phase, "", "deg"},
     Known{"delta", Quantity::phase, "", "rad"}, Known{"delta", Quantity::phase, "", "\xC2\xB0"},
     Known{"tandelta", Quantity::loss_tangent}, Known{"tand", Quantity::loss_tangent},
     Known{"losstangent", Quantity::loss_tangent}, Known{"lossfactor", Quantity::loss_tangent},
     Known{"verlustfaktor", Quantity::loss_tangent}};
+
+// Words that names of values are made of.  A word is a part, says whose part it is, or both.
+struct Word {
+  std::string_view text;
+  std::optional<Quantity> part = {};
+  std::string_view symbol = {};
+  bool is_unit = false;
+};
+
+constexpr std::array words{Word{"real", Quantity::real},
+                           Word{"re", Quantity::real},
+                           Word{"'", Quantity::real},
+                           Word{"prime", Quantity::real},
+                           Word{"imaginary", Quantity::imaginary},
+                           Word{"imag", Quantity::imaginary},
+                           Word{"img", Quantity::imaginary},
+                           Word{"im", Quantity::imaginary},
+                           Word{"''", Quantity::imaginary},
+                           Word{"doubleprime", Quantity::imaginary},
+                           Word{"|z|", Quantity::magnitude, "z"},
+                           Word{"|y|", Quantity::magnitude, "y"},
+                           Word{"magnitude", Quantity::magnitude},
+                           Word{"mag", Quantity::magnitude},
+                           Word{"modulus", Quantity::magnitude},
+                           Word{"mod", Quantity::magnitude},
+                           Word{"abs", Quantity::magnitude},
+                           Word{"absolute", Quantity::magnitude},
+                           Word{"amplituderatio", Quantity::magnitude},
+                           Word{"phase", Quantity::phase},
+                           Word{"phaseangle", Quantity::phase},
+                           Word{"phaseshift", Quantity::phase},
+                           Word{"theta", Quantity::phase},
+                           Word{"phi", Quantity::phase},
+                           Word{"phz", Quantity::phase},
+                           Word{"ph", Quantity::phase},
+                           Word{"arg", Quantity::phase},
+                           Word{"impedance", {}, "z"},
+                           Word{"imp", {}, "z"},
+                           Word{"z", {}, "z"},
+                           Word{"admittance", {}, "y"},
+                           Word{"y", {}, "y"},
+                           Word{"permittivity", {}, "eps"},
+                           Word{"eps", {}, "eps"},
+                           Word{"h"},
+                           Word{"data"},
+                           Word{"gain"},
+                           Word{"transferfunction"},
+                           Word{"response"},
+                           Word{"frf"},
+                           Word{"part"},
+                           Word{"of"},
+                           Word{":"},
+                           Word{"ohms", {}, {}, true},
+                           Word{"ohm", {}, {}, true}};
+
+struct Words {
+  std::optional<Quantity> part;
+  std::string_view symbol;
+  bool has_unit = false;
+  int count = 0;
+};
+
+// Takes a name apart into words that agree: one part of one thing, a unit at the end.
+std::optional<Words> words_of(std::string_view name, const Words& before = {}) {
+  if (name.empty()) return before;
+  for (const Word& word : words) {
+    if (!name.starts_with(word.text) || before.has_unit || (before.part && word.part) ||
+        (!before.symbol.empty() && !word.symbol.empty()))
+      continue;
+    Words taken = before;
+    if (word.part) taken.part = word.part;
+    if (!word.symbol.empty()) taken.symbol = word.symbol;
+    taken.has_unit = word.is_unit;
+    ++taken.count;
+    if (auto whole = words_of(name.substr(word.text.size()), taken)) return whole;
+  }
+  return std::nullopt;
+}
+
+// "realimpedance", "z''", "zohm", "gain:magnitude", "phaseshift"; a single common word is left to column_meaning().
+std::optional<Known> put_together(std::string_view name) {
+  const auto of = words_of(name);
+  if (!of) return std::nullopt;
+  const bool is_compound = of->count > 1 || !of->symbol.empty() || name == "phaseangle" || name == "phaseshift" ||
+                           name == "amplituderatio" || name == "phi";
+  if (of->part && is_compound)
+    return Known{name,
+                 of->symbol == "eps" && *of->part == Quantity::imaginary ? Quantity::negative_imaginary : *of->part,
+                 of->symbol};
+  // Of an impedance by itself with its unit the magnitude is meant.
+  if (!of->part && of->symbol == "z" && of->has_unit) return Known{name, Quantity::magnitude, "z"};
+  return std::nullopt;
+}
+
+// "re(z)" -> "rez": brackets around a quantity belong to the name, those around a unit do not.
+void open_brackets(std::string& name) {
+  // "impedance(real)" too.
+  if (const auto open = name.find('('); open != std::string::npos && open > 0 && name.ends_with(')')) {
+    const auto inner = words_of(std::string_view(name).substr(open + 1, name.size() - open - 2));
+    if (inner && inner->part) {
+      name.erase(open, 1);
+      name.pop_back();
+      return;
+    }
+  }
+  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)", "(delta)", "(elasticcomponent)",
+                                        "(viscouscomponent)", "(complexcomponent)"}) {
+    const auto at = name.find(symbol);
+    if (at == std::string::npos || at == 0) continue;
+    name.replace(at, symbol.size(), symbol.substr(1, symbol.size() - 2));
+    return;
+  }
+}
+
+// A unit of this kind in any case of letters, with or without a prefix of one letter such as k, m or u; an omega is an
+// ohm.
+bool is_unit_of(std::string_view unit, std::string_view needed) {
+  if (needed != "ohm" && needed != "S" && needed != "Pa") return unit.starts_with(needed);
+  const auto has = [&](std::string_view spelled) { return unit.find(spelled) <= std::string_view("\xC2\xB5").size(); };
+  if (needed == "ohm") return has("ohm") || has("Ohm") || has("OHM") || has("\xCE\xA9");
+  return needed == "Pa" ? has("Pa") || has("pa") || has("PA") : has("S");
+}
 
 // Letters that ZView sets behind a name, no units.
 bool is_letter_of_a_column(std::string_view unit) {
@@ -264,16 +361,25 @@ std::optional<ColumnMeaning> instrument_column(std::string_view written) {
   const std::string_view view = text;
   const auto end = std::min({view.find('/'), view.find('('), view.find('[')});
   std::string_view base = view.substr(0, end);
-  const bool is_negative = base.starts_with('-');
-  if (is_negative) base.remove_prefix(1);
+  bool is_negative = false;
+  for (const std::string_view sign : {"-", "neg", "negative", "minus"})
+    if (base.starts_with(sign) && base.size() > sign.size()) {
+      const std::string_view rest = base.substr(sign.size());
+      if (sign != "-" && !words_of(rest)) continue;
+      is_negative = true;
+      base = rest;
+      break;
+    }
   const bool has_mark = end < view.size();
   std::string unit = has_mark ? unit_as_written(name) : "";
   const bool is_lettered = has_mark && is_letter_of_a_column(plain(unit)) && view[end] == '(';
   if (is_lettered) unit.clear();
-  const auto* const found = std::find_if(known.begin(), known.end(), [&](const Known& each) {
-    return each.name == base && (each.needs_unit.empty() || unit.starts_with(each.needs_unit));
+  const auto* const listed = std::find_if(known.begin(), known.end(), [&](const Known& each) {
+    return each.name == base && (each.needs_unit.empty() || is_unit_of(unit, each.needs_unit));
   });
-  if (found == known.end()) return std::nullopt;
+  const std::optional<Known> found = listed == known.end() ? put_together(base) : std::optional(*listed);
+  if (!found) return std::nullopt;
+  if (unit.empty() && listed == known.end() && (base.ends_with("ohm") || base.ends_with("ohms"))) unit = "ohm";
   // A small letter without a unit of pressure stands for epsilon; of E' and E'' the modulus is written.
   if (!is_negative && found->symbol == "e" && name.find('e') < name.find('\'') && !unit.ends_with("Pa") &&
       base.starts_with("e'")) {
@@ -308,6 +414,10 @@ std::optional<ColumnMeaning> instrument_column(std::string_view written) {
       return std::nullopt;
   }
   return ColumnMeaning{quantity, factor, std::move(unit), {}, std::string(found->symbol)};
+}
+
+bool is_unit_of_material(std::string_view unit) {
+  return is_unit_of(unit, "ohm") || is_unit_of(unit, "Pa") || is_unit_of(unit, "S");
 }
 
 bool is_frequency_unit(std::string_view unit) {

@@ -13,6 +13,9 @@ namespace io {
 /// "|Z|", "theta", "G'", "eps''"; empty for any other name.  Factor and problem of the unit are left to the caller.
 [[nodiscard]] std::optional<ColumnMeaning> instrument_column(std::string_view name);
 
+/// The unit is one of impedance, admittance or pressure, perhaps with more behind it: mohm, kOhm_cm2, MPa, S/m.
+[[nodiscard]] bool is_unit_of_material(std::string_view unit);
+
 /// The unit is one of frequency: Hz, kHz, rad/s and the like.
 [[nodiscard]] bool is_frequency_unit(std::string_view unit);
 

@@ -32,7 +32,8 @@ std::optional<Recognised> recognised(const Source& source, const MeasurementOpti
        {read_matlab, read_universal58, read_gamry, read_biologic, read_versastudio, read_touchstone, read_zview})
     if (auto found = read(source)) return found;
   if (!how.columns.empty()) return read_told_table(source, columns_with_numbers(how));
-  return read_plain_table(source);
+  if (auto found = read_plain_table(source)) return found;
+  return read_nameless_table(source);
 }
 
 // A stray control character is an error of its field; many are a picture, an archive or a program's own format.
@@ -50,7 +51,7 @@ std::string foreign_format(std::string_view bytes) {
     return text.find(part) != std::string_view::npos;
   };
   if (bytes.starts_with("BIO-LOGIC MODULAR FILE"))
-    return "is EC-Lab's binary format (.mpr); expected its text: in EC-Lab, Experiment, Export as Text writes .mpt";
+    return "is EC-Lab's binary format (.mpr); expected its text (.mpt), which EC-Lab exports";
   if (has(head, "Version=11") && has(head, std::string_view("\0", 1)))
     return "is IviumSoft's binary format (.idf); expected a table, which IviumSoft exports as text";
   // JSON of PSTrace, as text or in UTF-16.
@@ -59,7 +60,7 @@ std::string foreign_format(std::string_view bytes) {
   if (head.starts_with("version8.0") || head.starts_with("Version8.0"))
     return "is a file of Autolab's FRA (.dfr), one number in each line; expected a table, which FRA exports as text";
   if (bytes.starts_with("TDSm"))
-    return "is National Instruments' TDMS; expected a table, as Excel's TDM add-in makes one, or text (.lvm), as "
+    return "is National Instruments' TDMS; expected a table, as NI's TDM Excel Add-In makes one, or text (.lvm), as "
            "LabVIEW's Write "
            "To Measurement File writes it";
   if (bytes.starts_with("\x89HDF\r\n\x1A\n"))

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "io/bode_relation.hpp"
 #include "io/fields.hpp"
 #include "io/number.hpp"
 
@@ -89,6 +90,8 @@ SignsOfPhase::SignsOfPhase(const TextTable& table, const ColumnPlan& plan, const
   const auto is_impedance = [&](std::size_t column) {
     return planner.meaning(column).symbol.empty() || planner.meaning(column).symbol == "z";
   };
+  const std::string& symbol = planner.meaning(plan.first).symbol;
+  is_one_port_ = symbol == "z" || symbol == "y";
   if (plan.form != ValueForm::real_imaginary || !is_impedance(plan.first)) return;
   for (std::size_t i = 0; i < table.header().size(); ++i) {
     const ColumnMeaning& meaning = planner.meaning(i);
@@ -110,9 +113,23 @@ void SignsOfPhase::see(const TextTable::Row& row, std::complex<double> value) {
   ++((direction > 0) == (value.imag() > 0) ? same_ : opposite_);
 }
 
-void SignsOfPhase::refuse_if_opposite() const {
-  if (same_ > 0 || opposite_ == 0) return;
+void SignsOfPhase::settle(Points& points, std::vector<std::string>& notes) const {
+  if (plan_.form != ValueForm::real_imaginary) return;
+  const bool is_opposite = same_ == 0 && opposite_ > 0;
+  const bool consumes = is_one_port_ && std::all_of(points.value.begin(), points.value.end(),
+                                                    [](std::complex<double> value) { return value.real() > 0; });
+  if (!is_opposite && !consumes) return;
+  const auto departure = departure_from_bode(points.omega, points.value);
   const auto& imaginary = table_.header()[plan_.second];
+  if (departure && *departure > opposes_bode) {
+    for (auto& value : points.value) value = std::conj(value);
+    notes.push_back(
+        "column " + quoted(imaginary.text) +
+        " is read with the other sign, as the slope of the magnitude demands (Bode's relation); --columns " +
+        "takes it as it stands");
+    return;
+  }
+  if (!is_opposite || (departure && *departure < agrees_with_bode)) return;
   throw DataError(table_.file(), imaginary.line, imaginary.column,
                   "column " + quoted(imaginary.text) + " has the other sign than column " +
                       quoted(table_.header()[*phase_].text) +

@@ -53,19 +53,23 @@ class RowReader {
   bool decibel_;
 };
 
-// An imaginary part of the other sign than a phase beside it: a column named Im that holds -Im.
+// An imaginary part of the other sign than its name says: a column named Im that holds -Im.  A phase beside it may
+// tell, and of an impedance or admittance that consumes energy Bode's relation does.
 class SignsOfPhase {
  public:
   SignsOfPhase(const TextTable& table, const ColumnPlan& plan, const Planner& planner);
   void see(const TextTable::Row& row, std::complex<double> value);
-  // Throws a DataError where every row that tells has opposite signs.
-  void refuse_if_opposite() const;
+  /// Turns the sign of points in rising frequency where it has to be turned, and says so.
+  /// @throws DataError  every row that tells has the other sign than its phase, and the points do not tell which is
+  /// meant.
+  void settle(Points& points, std::vector<std::string>& notes) const;
 
  private:
   const TextTable& table_;
   const ColumnPlan& plan_;
   std::optional<std::size_t> phase_;
   double to_radians_ = 0;  // 0 where the unit is open
+  bool is_one_port_ = false;
   std::size_t same_ = 0, opposite_ = 0;
 };
 

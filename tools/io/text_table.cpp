@@ -191,7 +191,10 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
     const auto text = trimmed(line);
     if (text.empty() || is_comment(text)) continue;
     split_by(text, separator_, fields);
-    if (fields.size() < header_.size() && separator_ == '\t') add_empty_fields(line, fields);
+    if (fields.size() < header_.size() && separator_ == '\t') {
+      if (line.starts_with('\t')) split_by(line, separator_, fields);
+      if (fields.size() < header_.size()) add_empty_fields(line, fields);
+    }
     if (fields.size() != header_.size()) {
       const std::size_t column =
           fields.size() > header_.size() ? column_in(line, fields[header_.size()]) : characters(line) + 1;

@@ -59,7 +59,8 @@ std::string headline(const frac::IdentificationResult& result, const frac::Valid
                      const std::string& unit) {
   const bool noisy = !result.without_noise();
   std::string line(noisy ? frac::to_string(result.verdict) : "without noise");
-  if (noisy && std::isfinite(result.log10_odds)) {
+  // Of classes that both miss the data the odds say nothing.
+  if (noisy && result.verdict != frac::Verdict::no_adequate_model && std::isfinite(result.log10_odds)) {
     const double odds = std::pow(10.0, std::abs(result.log10_odds));
     line +=
         ", odds " + html_number(odds, 3) + ":1 for " + (result.log10_odds > 0 ? "a fractional order" : "whole orders");

@@ -55,7 +55,11 @@ int key_width(const Figure& figure) {
   std::size_t longest = 0;
   for (const Panel& panel : figure.panels) {
     if (!panel.key) continue;
-    for (const Curve& curve : panel.curves) longest = std::max(longest, drawn_length(curve.label));
+    // A plus, of which the names of circuits have many, is half as wide again.
+    for (const Curve& curve : panel.curves)
+      longest =
+          std::max(longest, drawn_length(curve.label) +
+                                static_cast<std::size_t>(std::count(curve.label.begin(), curve.label.end(), '+')) / 2);
     if (!panel.map) continue;
     for (const CellMap::Kind& kind : panel.map->kinds) longest = std::max(longest, drawn_length(kind.label));
   }

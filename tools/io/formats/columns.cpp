@@ -7,6 +7,12 @@
 
 namespace io {
 
+std::string_view without_brackets(std::string_view unit) {
+  const bool has_brackets =
+      unit.size() > 2 && ((unit.front() == '[' && unit.back() == ']') || (unit.front() == '(' && unit.back() == ')'));
+  return has_brackets ? trimmed(unit.substr(1, unit.size() - 2)) : unit;
+}
+
 std::vector<TextLayout::Column> named_columns(std::string_view names, char separator, std::size_t line,
                                               std::string_view units) {
   std::vector<std::string_view> fields, below;
@@ -20,6 +26,7 @@ std::vector<TextLayout::Column> named_columns(std::string_view names, char separ
     place += characters({counted, static_cast<std::size_t>(fields[i].data() - counted)});
     counted = fields[i].data();
     std::string name(fields[i]);
+    if (i < below.size()) below[i] = without_brackets(below[i]);
     const bool has_unit = i < below.size() && !below[i].empty() && below[i] != "-" && below[i] != "#";
     if (has_unit && column_meaning(name).unit.empty()) name += " / " + std::string(below[i]);
     columns.push_back({std::move(name), line, place});

@@ -71,10 +71,15 @@ struct NamedVector {
 /// Tables whose names stand above the rows, wherever in the file, each of them a sweep.  One that is all at one
 /// frequency is read only where it is asked for, if another is not.
 [[nodiscard]] std::optional<Recognised> read_plain_table(const Source& source);
-/// The same of tables whose columns the caller tells; they need no names.
+/// Three columns of numbers without names, where Bode's relation tells f, re, im from f, re, -im and from magnitude and
+/// phase, and a phase below 0 that they are no modulus.
+[[nodiscard]] std::optional<Recognised> read_nameless_table(const Source& source);
+/// As read_plain_table() of tables whose columns the caller tells; they need no names.
 /// @param columns  that have to hold numbers, counted from 0; empty where they are told by name
 [[nodiscard]] std::optional<Recognised> read_told_table(const Source& source, const std::vector<std::size_t>& columns);
 
+/// "[Hz]" -> "Hz".
+[[nodiscard]] std::string_view without_brackets(std::string_view unit);
 /// Names of columns from a line of them, and a line of units below it; empty where there is none.
 [[nodiscard]] std::vector<TextLayout::Column> named_columns(std::string_view names, char separator, std::size_t line,
                                                             std::string_view units = {});

@@ -32,9 +32,11 @@ struct Names {
   bool is_quoted = false;  // all of them together
 };
 
-// ZPlot and ZView write all names within one pair of quotes where the file has no "End Comments".
+// ZPlot and ZView write all names within one pair of quotes where the file has no "End Comments"; programs of audio and
+// MATLAB begin the line of names as a comment of theirs.
 std::string_view without_quotes_around(std::string_view line) {
-  const std::string_view text = trimmed(line);
+  std::string_view text = trimmed(line);
+  if (text.starts_with('*') || text.starts_with('%') || text.starts_with('!')) return trimmed(text.substr(1));
   const bool is_quoted = text.size() > 2 && text.front() == '"' && text.find('"', 1) == text.size() - 1;
   return is_quoted ? text.substr(1, text.size() - 2) : line;
 }
@@ -49,14 +51,21 @@ std::optional<Names> names_in(std::string_view line, std::size_t number) {
     if (fields.size() < 2 || holds_a_number(fields)) continue;
     for (std::size_t i = 0; i < fields.size(); ++i)
       if (column_meaning(fields[i]).quantity == Quantity::frequency)
-        return Names{inner, number, separator, i, fields.size(), false, inner.size() < line.size()};
+        return Names{inner,
+                     number,
+                     separator,
+                     i,
+                     fields.size(),
+                     false,
+                     inner.size() < line.size() && trimmed(line).front() == '"'};
   }
   return std::nullopt;
 }
 
-// Cuts a line; false where it has not as many fields as there are names.  Tabs at its end stand for empty fields.
+// Cuts a line; false where it has not as many fields as there are names.  Tabs at its ends stand for empty fields.
 bool cut(std::string_view line, char separator, std::size_t width, Fields& fields) {
   split_by(trimmed(line), separator, fields);
+  if (separator == '\t' && fields.size() < width && line.starts_with('\t')) split_by(line, separator, fields);
   if (separator == '\t' && fields.size() < width)
     fields.resize(std::min(width, fields.size() + line.size() - 1 - line.find_last_not_of('\t')));
   return fields.size() == width;
@@ -77,7 +86,7 @@ std::optional<char> separator_of_row(std::string_view line, const Names& names, 
 
 bool are_units(std::string_view line, const Names& names, Fields& fields) {
   const auto fits = [&](char separator) {
-    return cut(line, separator, names.width, fields) && is_frequency_unit(fields[names.frequency]);
+    return cut(line, separator, names.width, fields) && is_frequency_unit(without_brackets(fields[names.frequency]));
   };
   return fits(names.separator) || std::any_of(separators.begin(), separators.end(), fits);
 }
@@ -151,17 +160,28 @@ class TableSearch {
       open_.reset();
       return false;
     }
-    if (!is_after_gap_) return true;
+    if (!is_after_gap_) return has_width || !is_end(line);
     if (has_width && !names_in(line, 0)) return true;
     return is_number(fields_.front());
+  }
+
+  /// "END": no number, and none in what follows before a gap or the end.
+  bool is_end(std::string_view line) {
+    split_by(trimmed(line), open_->layout.separator, fields_);
+    if (holds_a_number(fields_) || has_decimal_commas(fields_)) return false;
+    LineReader rest(std::string_view(*text_).substr(std::min(lines_.after(), text_->size())));
+    std::string_view next;
+    if (!rest.next(next) || trimmed(next).empty()) return true;
+    split_by(trimmed(next), open_->layout.separator, fields_);
+    return !holds_a_number(fields_) && !has_decimal_commas(fields_);
   }
 
   bool opens(std::string_view line) {
     if (is_told_) return opens_told(line);
     if (names_) {
       if (const auto separator = separator_of_row(line, *names_, fields_)) {
-        is_plain_ = names_->is_first && number_above_ == names_->number &&
-                    separator_of(trimmed(names_->line)) == *separator;
+        is_plain_ =
+            names_->is_first && number_above_ == names_->number && separator_of(trimmed(names_->line)) == *separator;
         if (names_->is_quoted) {
           found_.format = "ZView";
           found_.unit = "ohm";
@@ -175,9 +195,15 @@ class TableSearch {
       }
       if (parse_count(trimmed(line))) return true;  // how many rows follow
       units_ = {};
+      // A full line of as many fields is another kind of names; any other one may stand between names and rows.
+      if (cut(line, names_->separator, names_->width, fields_) &&
+          std::none_of(fields_.begin(), fields_.end(), [](std::string_view field) { return field.empty(); }))
+        names_.reset();
     }
-    names_ = names_in(line, lines_.number());
-    if (names_) names_->is_first = is_first_;
+    if (auto names = names_in(line, lines_.number())) {
+      names_ = names;
+      names_->is_first = is_first_;
+    }
     return false;
   }
 
