@@ -28,7 +28,7 @@ constexpr int most_iterations = 12;
 // out, and a round costs more.
 constexpr int most_iterations_with_contacts = 25, most_rounds_with_contacts = 8;
 // With friction, where each step follows every orbit and its derivatives, some milliseconds a point.
-constexpr int most_iterations_with_friction = 12, most_rounds_with_friction = 8;
+constexpr int most_iterations_with_friction = 12;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // A round that moves the estimate by less than this, in standard errors, is the last.
@@ -84,7 +84,6 @@ class Solver {
                   : contacts_take_time()   ? most_iterations_with_contacts
                                            : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance
-                       : has_friction()         ? most_rounds_with_friction
                        : contacts_take_time()   ? most_rounds_with_contacts
                                                 : most_rounds;
     for (int round = 0; round < rounds; ++round) {
