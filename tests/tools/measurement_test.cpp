@@ -643,6 +643,49 @@ TEST_F(MeasurementTest, ColumnsWithoutNamesAreToldByBodesRelation) {
   refuses("x y z\n" + three_columns(Form::parts, 0.8, 10), "no frequency column");
 }
 
+// How often the relation errs: 300 random circuits of a resistance and one to three arcs, 12 to 60 points over five to
+// nine decades with noise of 0.1 to 2 %, in six forms.  Of 600 others 0.3 % were read wrong and 3.5 % refused; at such
+// rates 6 of 300 are wrong once in 2000 draws, and 25 refused less often.
+TEST_F(MeasurementTest, BodesRelationErrsSeldom) {
+  support::Random random(20261127);
+  int wrong = 0, refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double scale = std::pow(10, random.uniform(-2, 5)),
+                 resistance = scale * std::pow(10, random.uniform(-1.3, 0.5));
+    const double noise = std::pow(10, random.uniform(-3, -1.7)), highest = random.uniform(4, 6);
+    std::vector<std::array<double, 3>> arcs(1 + static_cast<std::size_t>(random.uniform(0, 2.999)));
+    for (auto& arc : arcs)
+      arc = {scale * std::pow(10, random.uniform(-1, 1.3)), std::pow(10, random.uniform(-5, 1)),
+             random.uniform(0.6, 1)};
+    const int points = static_cast<int>(random.uniform(12, 60));
+    const double step = (highest - random.uniform(-3, -1)) / (points - 1);
+    std::ostringstream text;
+    text.precision(9);
+    std::vector<std::complex<double>> values;
+    for (int k = 0; k < points; ++k) {
+      const double f = std::pow(10, highest - k * step);
+      std::complex<double> z = resistance;
+      for (const auto& [size, time, order] : arcs) z += size / (1.0 + std::pow(1i * (turn * f * time), order));
+      z *= 1.0 + noise * std::complex<double>(random.normal(), random.normal());
+      values.push_back(z);
+      const double sign = i % 2 == 0 ? 1 : -1, degrees = sign * std::arg(z) * 360 / turn;
+      text << f;
+      if (i % 6 < 2)
+        text << '\t' << z.real() << '\t' << sign * z.imag() << '\n';
+      else
+        text << '\t' << (i % 6 < 4 ? std::abs(z) : 20 * std::log10(std::abs(z))) << '\t' << degrees << '\n';
+    }
+    try {
+      const auto data = read(text.str()).data;
+      wrong += std::abs(data.value().front() - values.back()) > 1e-6 * std::abs(values.back());
+    } catch (const io::DataError&) {
+      ++refused;
+    }
+  }
+  EXPECT_LT(wrong, 6);
+  EXPECT_LT(refused, 25);
+}
+
 // Of an impedance that consumes energy the slope of the magnitude tells the sign, whatever the name says.
 TEST_F(MeasurementTest, AnImpedanceHasTheSignOfItsSlope) {
   for (const char* names : {"freq Zreal Zimag\n", "f_Hz Z' -Z''\n"})
