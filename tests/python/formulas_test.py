@@ -284,6 +284,7 @@ FORMULAS = {
 HELD_ELSEWHERE = {
     ("fit", r"\sigma^2 \left["): "tests/identification/uncertainty_test.cpp",
     ("fit", r"\ln L(h, \ell)"): "tests/identification/uncertainty_test.cpp",
+    ("compliant-contact", r"K_2 \left(1"): "tests/tools/cli_drive_test.cpp",
     ("scene", r"f = k d + c d'"): "tests/tools/cli_drive_test.cpp",
     ("limit-cycles", r"y(t_a) ="): "tests/backlash/impact_cycles_test.cpp",
     ("limit-cycles", r"\begin{aligned} (q + \Gamma_1"): "tests/backlash/limit_cycles_test.cpp",

@@ -8,6 +8,7 @@
 
 #include "io/data_error.hpp"
 #include "io/number.hpp"
+#include "output/sweep_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -131,10 +132,6 @@ io::Metadata contact_entries(const backlash::CompliantBodies& bodies) {
     entries.emplace_back(key, io::format_number(value));
   for (auto& entry : friction_entries(bodies.friction())) entries.push_back(std::move(entry));
   return entries;
-}
-
-io::Metadata friction_entries(const backlash::CoulombFriction& friction) {
-  return {{"friction1_n", io::format_number(friction.body1)}, {"friction2_n", io::format_number(friction.body2)}};
 }
 
 std::string contact_word(const std::optional<backlash::Wall>& wall) {

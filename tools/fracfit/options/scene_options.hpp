@@ -64,8 +64,6 @@ class CompliantOptions {
 };
 /// Entries of a file in place of that of a restitution.
 [[nodiscard]] io::Metadata contact_entries(const backlash::CompliantBodies& bodies);
-/// The last of them, of bodies whose contacts differ.
-[[nodiscard]] io::Metadata friction_entries(const backlash::CoulombFriction& friction);
 /// "near", "far" or "none".
 [[nodiscard]] std::string contact_word(const std::optional<backlash::Wall>& wall);
 /// Whether only commands with CompliantOptions take an option of that name.

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "io/number.hpp"
-#include "options/scene_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
+#include "output/sweep_output.hpp"
 
 namespace fracfit {
 namespace {

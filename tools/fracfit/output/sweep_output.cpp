@@ -186,6 +186,10 @@ SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::
           shard};
 }
 
+io::Metadata friction_entries(const backlash::CoulombFriction& friction) {
+  return {{"friction1_n", io::format_number(friction.body1)}, {"friction2_n", io::format_number(friction.body2)}};
+}
+
 SweepTable compliant_table(const backlash::SweepScene& scene, const std::vector<LabelledScene>& part,
                            const std::vector<std::string>& labels, const io::Metadata& contact,
                            const backlash::SweepOptions& options, const PointForm& form, const io::Shard& shard) {

@@ -60,6 +60,9 @@ struct SweepTable {
                                      const backlash::SweepOptions& options, const PointForm& form,
                                      const io::Shard& shard);
 
+/// Entries of a file about dry friction.
+[[nodiscard]] io::Metadata friction_entries(const backlash::CoulombFriction& friction);
+
 /// A curve of bodies whose contacts take time, with the values that tell it from the others of its table.
 struct LabelledScene {
   backlash::CompliantScene scene;
