@@ -381,6 +381,14 @@ void count_search_of(const FitResult& search, FitResult& result) {
   result.confidence_of_optimum = search.confidence_of_optimum;
 }
 
+/// Of very many points stretches of neighbours, evenly over all, that tell a floor: 40 000 changes know it to 1 %.
+std::optional<FrequencyResponseData> stretches_of_many(const FrequencyResponseData& data) {
+  constexpr std::size_t stretch = 64, enough = 2 * detail::many_points;
+  if (data.size() <= 2 * enough) return std::nullopt;
+  const std::size_t every = data.size() / enough;
+  return detail::chosen_points(data, [&](std::size_t i) { return i / stretch % every == 0; });
+}
+
 /// ComponentFit, with a floor told by the residuals of the fit before where one is wanted.
 FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                          Extent extent) {
@@ -393,10 +401,12 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
   ComponentFit relative(data, structure, options, extent);
   if (options.without_noise) return relative.described();
   FitResult result = relative.found();
+  const std::optional<FrequencyResponseData> stretches = stretches_of_many(data);
+  const FrequencyResponseData& told = stretches ? *stretches : data;
   const auto floor_of = [&](const FitResult& of) {
     return of.termination == FitTermination::no_usable_start
                ? 0
-               : detail::noise_floor(data, fitted_response(of, options.realisation, data.omega()), options.component);
+               : detail::noise_floor(told, fitted_response(of, options.realisation, told.omega()), options.component);
   };
   double floor = floor_of(result);
   if (floor == 0) return relative.described();
