@@ -338,7 +338,8 @@ void Options::interpret() {
     if (!option.is_given() && !option.default_.empty()) option.take_(option, option.default_);
   }
   for (const Option& option : options_)
-    if (option.required_ && !option.is_given() && has_meaning(option)) refuse(option.name() + " is required: " + option.help_);
+    if (option.required_ && !option.is_given() && has_meaning(option))
+      refuse(option.name() + " is required: " + option.help_);
   for (const Option& option : options_) check_rules(option);
   check_groups();
 }

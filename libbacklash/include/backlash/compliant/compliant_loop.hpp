@@ -46,7 +46,8 @@ struct CompliantLoopHistory {
 /// Motion of the loop from event to event: contacts begin and end, bodies stick and slide, the actuator reaches its
 /// limit.  Flights are exact for whole powers of s and to the tolerance for fractional ones, and no event is missed.
 /// @param options  most_impacts counts contacts; rows_at_impacts is for rows at events
-/// @throws std::invalid_argument  whole_memory; a dead time; contacts more than 10^6 times as fast as the rigid loop at its
+/// @throws std::invalid_argument  whole_memory; a dead time; contacts more than 10^6 times as fast as the rigid loop at
+/// its
 ///                                crossover, or with c/m above 10^9 times; else as simulate_loop() of a ControlLoop.
 [[nodiscard]] CompliantLoopHistory simulate_loop(const CompliantLoop& loop, const LoopStart& start,
                                                  const SetPoint& set_point, const LoopSimulationOptions& options = {});

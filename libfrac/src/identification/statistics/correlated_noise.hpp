@@ -26,7 +26,8 @@ class CorrelatedNoise {
   /// @param residuals  as left by least squares
   /// @param basis      orthonormal, of the space of what was fitted: count x parameters
   /// @param axis       without positions there is no smooth error to think of
-  CorrelatedNoise(std::span<const double> residuals, const Eigen::Ref<const Eigen::MatrixXd>& basis, const ResidualAxis& axis);
+  CorrelatedNoise(std::span<const double> residuals, const Eigen::Ref<const Eigen::MatrixXd>& basis,
+                  const ResidualAxis& axis);
 
   /// Mean of r over its probabilities, without correlation counting as 0.
   [[nodiscard]] double correlation() const noexcept { return correlation_; }
@@ -45,7 +46,8 @@ class CorrelatedNoise {
     double correlation;            // of first order
     double share = 0, length = 0;  // of a smooth error: its part of that variance, on the mean over its sizes
   };
-  void add_first_order(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis, double white_variance);
+  void add_first_order(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
+                       double white_variance);
   void add_smooth(double white_variance);
 
   std::vector<Possibility> possibilities_;

@@ -17,7 +17,8 @@ namespace frac::detail {
 class RestrictedLikelihood {
  public:
   /// @param basis  orthonormal, of the fitted columns
-  RestrictedLikelihood(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis, std::size_t per_point)
+  RestrictedLikelihood(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
+                       std::size_t per_point)
       : count_(static_cast<double>(residual.size())), series_(static_cast<double>(per_point)), width_(basis.cols()) {
     const auto rows = static_cast<Eigen::Index>(residual.size());
     const auto stride = static_cast<Eigen::Index>(per_point);

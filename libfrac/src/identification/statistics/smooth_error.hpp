@@ -20,7 +20,8 @@ class SmoothError {
  public:
   /// @param residual  as left by least squares
   /// @param basis     orthonormal, of the columns that were fitted
-  SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis, const ResidualAxis& axis);
+  SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
+              const ResidualAxis& axis);
 
   /// The shortest length that points can tell from white noise, and the longest that a trend over all of them has.
   [[nodiscard]] double shortest() const { return 2 * spacing_; }
