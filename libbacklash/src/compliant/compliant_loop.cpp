@@ -94,6 +94,13 @@ std::optional<RestRange> range_of(const std::vector<HalfPlane>& planes, double s
   return range;
 }
 
+CompliantLoopHistory ended(CompliantLoopHistory history, LoopEnd end, const detail::CompliantRun& run) {
+  history.end = end;
+  history.end_time = run.time();
+  history.contacts = static_cast<std::size_t>(run.contacts());
+  return history;
+}
+
 }  // namespace
 
 CompliantLoop::CompliantLoop(CompliantBodies bodies, frac::FractionalTransferFunction controller, Output measured)
@@ -112,12 +119,7 @@ CompliantLoopHistory simulate_sampled_loop(const CompliantLoop& loop, const Samp
   detail::CompliantRun run(flow, state, flow.mode_of(state));
   run.set_bound(largest_speed(flow, start, options.set_point, options.disturbance));
   CompliantLoopHistory history{{}, 0, LoopEnd::duration, options.duration, flow.error()};
-  const auto end_at = [&](LoopEnd end) {
-    history.end = end;
-    history.end_time = run.time();
-    history.contacts = static_cast<std::size_t>(run.contacts());
-    return history;
-  };
+  const auto end_at = [&](LoopEnd end) { return ended(std::move(history), end, run); };
   for (std::size_t n = 0;; ++n) {
     const LoopStart at = detail::CompliantFlow::positions(run.state());
     const double force = controller.step(n, at.x1, at.x2);
@@ -144,12 +146,7 @@ CompliantLoopHistory simulate_loop(const CompliantLoop& loop, const LoopStart& s
   run.set_bound(largest_speed(flow, start, set_point, options.disturbance));
   const Bends bends = bends_of(set_point);
   CompliantLoopHistory history{{}, 0, LoopEnd::duration, options.duration, flow.error()};
-  const auto end_at = [&](LoopEnd end) {
-    history.end = end;
-    history.end_time = run.time();
-    history.contacts = static_cast<std::size_t>(run.contacts());
-    return history;
-  };
+  const auto end_at = [&](LoopEnd end) { return ended(std::move(history), end, run); };
   const bool samples = options.sample_time > 0;
   std::size_t sample = 0, bend = 0;
   for (; bend < bends.changes.size() && bends.changes[bend].time <= 0; ++bend)

@@ -91,8 +91,8 @@ class Solver {
       choose(round);
       if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
-      const double still = follows_orbits() ? near_step : settled_step;
-      if (round > rounds_that_differ() && settled(before) && moved_ < still && !finds_more_motions(round)) {
+      const double last_step = follows_orbits() ? near_step : settled_step;
+      if (round > rounds_that_differ() && settled(before) && moved_ < last_step && !finds_more_motions(round)) {
         // There a kink of N, or the end of a motion nearby, stops the steps but not the estimate.
         result.converged = least_squares_converged_ || follows_orbits();
         break;

@@ -14,6 +14,11 @@ namespace {
 
 constexpr std::size_t most_blocks = 256;
 
+/// Of finite numbers; the operator of the library looks for infinities.
+std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 /// State of the smooth error and of its slope: mean and covariance, given what was seen before.
 struct Matern {
   double rate;  // sqrt(3)/length
@@ -52,9 +57,9 @@ void SmoothError::turn(std::size_t first, Eigen::Ref<Eigen::MatrixXd> rows) cons
         part[0] *= factor.real();
         continue;
       }
-      const double real = part[0], imag = part[1];
-      part[0] = real * factor.real() - imag * factor.imag();
-      part[1] = real * factor.imag() + imag * factor.real();
+      const std::complex<double> turned = product({part[0], part[1]}, factor);
+      part[0] = turned.real();
+      part[1] = turned.imag();
     }
   }
 }
@@ -172,14 +177,12 @@ SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each, doubl
     }
     const std::complex<double> factor = axis_.factor.empty() ? one : axis_.factor[i];
     const double* const part = each.data() + i * parts;
-    const double real = part[0] / unit, imag = parts == 2 ? part[1] / unit : 0;
-    const double turned = real * factor.real() - imag * factor.imag();
-    result.square += turned * turned;
-    result.sums(block, 0) += turned;
+    const std::complex<double> turned = product({part[0] / unit, parts == 2 ? part[1] / unit : 0}, factor);
+    result.square += turned.real() * turned.real();
+    result.sums(block, 0) += turned.real();
     if (parts == 1) continue;
-    const double other = real * factor.imag() + imag * factor.real();
-    result.square += other * other;
-    result.sums(block, 1) += other;
+    result.square += turned.imag() * turned.imag();
+    result.sums(block, 1) += turned.imag();
   }
   return result;
 }
