@@ -16,6 +16,7 @@
 #include "identification/rational/rational_growth.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
+#include "support/periodic_records.hpp"
 
 namespace {
 
@@ -321,6 +322,82 @@ TEST(Rational, MagnitudesAloneAreRefused) {
   frac::FitOptions options;
   options.component = frac::Component::magnitude;
   EXPECT_THROW((void)frac::resolved_model(data, frac::find_model("rational:1"), options), std::invalid_argument);
+}
+
+/// Samples of an input of steps, held as told, and what a formula answers to it without noise.
+frac::TimeResponseData record_of(const char* formula, frac::Hold hold, bool even) {
+  support::Random random(5);
+  std::vector<double> time, input;
+  for (int i = 0; i < 300; ++i) {
+    time.push_back(0.1 * (i + (even ? 0 : 0.8 * random.unit())));
+    input.push_back(i % 7 == 0 ? random.normal() : input.back());
+  }
+  std::vector<double> output = frac::respond(frac::FractionalTransferFunction::parse(formula),
+                                             frac::SampledInput{time, input, hold}, time, 1e-12)
+                                   .output;
+  return {time, input, std::move(output), {}, hold};
+}
+
+// What a shape answers to a record is what respond() makes of the same formula by its sum of exponentials.  Simulations
+// are good to 1e-10 of their parts, which cancel by up to a factor of 100 here.
+TEST(Rational, OfARecordAnswersAsTheFormulaDoes) {
+  for (const auto hold : {frac::Hold::zero_order, frac::Hold::first_order}) {
+    for (const bool even : {true, false}) {
+      for (const bool delayed : {false, true}) {
+        const std::string formula =
+            std::string(delayed ? "exp(-0.73 s) " : "") + "(1 + 0.4 s)/(s (s/0.4 + 1) (s^2/9 + 0.1 s + 1) (s/5 + 1)^2)";
+        const frac::detail::RationalProblem problem(record_of(formula.c_str(), hold, even), {});
+        const double centre = problem.centre_omega();
+        frac::detail::RationalShape shape;
+        // (s/5 + 1)^2 as a pair: 2 sinh(damping) = 2.
+        shape.factors = {{false, std::log(0.4 / centre), 0, 1},
+                         {true, std::log(3 / centre), std::asinh(0.15), 1},
+                         {true, std::log(5 / centre), std::asinh(1.0), 1}};
+        shape.integrators = 1;
+        shape.degree = 1;
+        shape.delayed = delayed;
+        shape.delay = 0.73 * centre;
+        EXPECT_LT(problem.at(shape).cost, 1e-16 * problem.data_power()) << formula << even;
+      }
+    }
+  }
+}
+
+// As above for a record: central differences against derivatives by all that acts nonlinearly.  Simulations of 1e-10
+// over the step add 1e-5 of the terms.
+TEST(Rational, DerivativesOfARecordAreThoseOfDifferences) {
+  const auto data = record_of("(1 + 0.4 s)/((s/0.4 + 1) (s^2/9 + 0.1 s + 1))", frac::Hold::zero_order, true);
+  frac::TimeFitOptions options;
+  for (const bool earlier : {false, true}) {
+    options.earlier_input = earlier;
+    const frac::detail::RationalProblem problem(data, options);
+    frac::detail::RationalShape shape;
+    shape.factors = {{false, -1.3, 0, 1}, {false, -0.5, 0, 1}, {true, 0.1, 0.5, 1}};
+    shape.degree = 3;
+    shape.delayed = true;
+    shape.delay = 0.2;
+    frac::detail::RationalProblem::Linear linear;
+    ASSERT_TRUE(problem.solve(problem.columns(shape), linear));
+    const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
+    ASSERT_EQ(derivatives.cols(), 5);
+    const Eigen::VectorXcd coefficients = linear.coefficients.cast<std::complex<double>>();
+    // The space of the columns is what differences by poles are known up to.
+    const auto outside = [&](const Eigen::VectorXcd& change) {
+      Eigen::VectorXd column(linear.residual.size());
+      problem.put(change, column);
+      return Eigen::VectorXd(column - linear.orthonormal * (linear.orthonormal.transpose() * column));
+    };
+    for (Eigen::Index k = 0; k < 5; ++k) {
+      constexpr double step = 1e-4;
+      const Eigen::VectorXd change = step * Eigen::VectorXd::Unit(5, k);
+      const Eigen::VectorXcd difference =
+          (problem.columns(problem.stepped(shape, change)) - problem.columns(problem.stepped(shape, -change))) *
+          coefficients / (2 * step);
+      const Eigen::VectorXd derivative = outside(derivatives.col(k));
+      EXPECT_LT((derivative - outside(difference)).norm(), 1e-4 * derivative.norm()) << k << earlier;
+      EXPECT_GT(derivative.norm(), 1e-3);
+    }
+  }
 }
 
 }  // namespace

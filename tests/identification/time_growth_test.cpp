@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "frac/identification/identify.hpp"
@@ -83,20 +84,18 @@ TEST(TimeFit, OfAPresetIsNoWorseThanOfOneThatItContains) {
   EXPECT_LE(cost_of("fractional-lag-delay"), lag_delay * (1 + rounding));
 }
 
-// Of exact data the three poles are those of three_lags(): the denominator is that of 1/((s + 1)(s + 0.5)(s + 2.5)).
+// Of exact data the three poles are those of three_lags().
 TEST(TimeGrowth, ZerosAndPolesMayBeToldByTheirNumber) {
   const auto data = step_record(three_lags, 15, 301, 0, 1);
   const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational:0/3"), frac::TimeFitOptions{});
-  EXPECT_EQ(model.formula, "(b0)/((s^2 + c1 s + e1) (s + p))");
+  EXPECT_EQ(model.formula, "(b0)/((s/p1 + 1) (s/p2 + 1) (s/p3 + 1))");
   frac::TimeFitOptions options;
   options.constraints = model.constraints;
   options.global_start = false;
   const auto fit = frac::fit(data, frac::Structure(model.formula), options);
-  const double c = fit.parameters[1].value, e = fit.parameters[2].value, p = fit.parameters[3].value;
   // Rounding of 1e-16, times the condition of three poles within a decade on such a record, some 1e6.
-  EXPECT_NEAR(c + p, 4, 1e-8);
-  EXPECT_NEAR(e + c * p, 4.25, 1e-8);
-  EXPECT_NEAR(e * p, 1.25, 1e-8);
+  const double poles[] = {0.5, 1, 2.5};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(fit.parameters[1 + i].value, poles[i], 1e-8);
   EXPECT_EQ(frac::resolved_model(data, frac::find_model("rational:3/3"), frac::TimeFitOptions{}).name, "rational:3/3");
   EXPECT_EQ(frac::resolved_model(data, frac::find_model("rational:1/2+delay"), frac::TimeFitOptions{}).name,
             "rational:1/2+delay");
@@ -111,9 +110,46 @@ TEST(TimeGrowth, RatiosGrowAPoleAtATime) {
   EXPECT_GT(growth.fits.size(), growth.chosen + 1);
 }
 
+// Three lightly damped modes of a flexible machine, behind each other and alike in gain, in white noise.  2000
+// residuals tell the noise to 1.6 % (1/sqrt(4000)), a dozen parameters take .3 % from it; four times the former.
+TEST(TimeGrowth, FindsTheModesOfAFlexibleMachine) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    support::Random random(seed);
+    std::string formula;
+    for (int mode = 0; mode < 3; ++mode) {
+      const auto between = [&](double low, double high) { return low * std::pow(high / low, random.unit()); };
+      const double w = between(3, 80), d = 2 * between(0.005, 0.2);
+      formula += (mode > 0 ? " + " : "") + std::to_string(between(0.3, 1)) + "/(s^2/" + std::to_string(w * w) + " + " +
+                 std::to_string(d / w) + " s + 1)";
+    }
+    std::vector<double> time, input;
+    for (std::size_t i = 0; i < 1000; ++i) {
+      time.push_back(0.01 * static_cast<double>(i));
+      input.push_back(i % 3 == 0 ? random.normal() : input.back());
+    }
+    std::vector<double> output = frac::respond(frac::FractionalTransferFunction::parse(formula),
+                                               frac::SampledInput{time, input, frac::Hold::zero_order}, time, 1e-9)
+                                     .output;
+    double noise = 0;
+    for (double& each : output) {
+      const double error = 0.01 * random.normal();
+      noise += error * error;
+      each += error;
+    }
+    const frac::TimeResponseData data(time, input, output);
+    const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational"), frac::TimeFitOptions{});
+    EXPECT_NE(model.name.find("/6"), std::string::npos) << formula << ": " << model.name;
+    frac::TimeFitOptions options;
+    options.constraints = model.constraints;
+    options.global_start = false;
+    const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+    EXPECT_NEAR(fit.rms / std::sqrt(noise / 1000), 1, 0.09) << formula << ": " << model.name;
+  }
+}
+
 TEST(TimeGrowth, OtherFamiliesAreRefused) {
   const auto data = step_record(three_lags, 15, 61, 1e-3, 1);
-  for (const char* family : {"commensurate", "terms", "rational:7", "rational:3/2"}) {
+  for (const char* family : {"commensurate", "terms", "rational:3/2"}) {
     EXPECT_THROW((void)frac::resolved_model(data, frac::find_model(family), frac::TimeFitOptions{}),
                  std::invalid_argument)
         << family;

@@ -22,7 +22,6 @@
 #include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
-#include "identification/time_growth.hpp"
 #include "identification/time_noise.hpp"
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
@@ -136,15 +135,10 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.passive = members.passive;
 }
 
-/// @param ratios  shared by all families of a frequency response
+/// @param ratios  shared by all families
 template <class Data, class Options>
 void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
-  const detail::FamilyMembers members = [&] {
-    if constexpr (detail::is_response<Data>)
-      return detail::best_member(data, outcome.model, options, ratios);
-    else
-      return detail::best_member(data, outcome.model, options);
-  }();
+  const detail::FamilyMembers members = detail::best_member(data, outcome.model, options, ratios);
   take(members, outcome);
   if (!members.set_aside) return;
   outcome.set_aside = std::make_shared<Outcome>();

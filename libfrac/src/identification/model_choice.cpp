@@ -14,7 +14,6 @@
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
-#include "identification/time_growth.hpp"
 #include "identification/time_noise.hpp"
 #include "special/distributions.hpp"
 

@@ -12,8 +12,8 @@
 #include "formula/canonical_form.hpp"
 #include "frac/structure.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "identification/recognised_preset.hpp"
-#include "identification/time_growth.hpp"
 
 namespace frac {
 
@@ -235,11 +235,13 @@ std::vector<NamedModel> default_candidates_over_time() {
 }
 
 NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
+  detail::RatioGrowths ratios;
+  return model.is_family() ? detail::best_member(data, model, options, ratios).models.front() : model;
 }
 
 NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
-  return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
+  detail::RatioGrowths ratios;
+  return model.is_family() ? detail::best_member(data, model, options, ratios).models.front() : model;
 }
 
 namespace {

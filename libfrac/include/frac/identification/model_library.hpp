@@ -109,9 +109,8 @@ struct NamedModel {
 /// @throws std::invalid_argument  fewer residuals than parameters, or a component other than both, imaginary and real.
 [[nodiscard]] NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options);
-/// Over time, where ratios in s are strictly proper unless a direct term pays, and denominators are products of
-/// s^2 + c1 s + e1 and s + p.
-/// @throws std::invalid_argument  another family, which is grown on frequency responses only; more than 6 poles or
+/// Over time, by the same growth: its columns are what parts of the ratio answer to the input.
+/// @throws std::invalid_argument  a family of sums, or with a free order, which are grown on frequency responses only;
 ///     more zeros than poles; fewer samples than parameters.
 [[nodiscard]] NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);

@@ -59,6 +59,7 @@ struct Grown {
   [[nodiscard]] const RationalFit& chosen() const { return fits.at(members.chosen); }
 };
 
+/// @param component  of the residuals; both over time
 Grown grown_family(const RationalProblem& problem, const RationalFamily& family, Component component,
                    RatioGrowths& ratios) {
   const RationalKind kind{family.dead_time, family.free_order};
@@ -98,21 +99,23 @@ std::string share_of_data(const RationalProblem& problem, const RationalFit& fit
 /// The family with stable poles, unless nobody assumes them or the data speak against them.  Where the free family is
 /// unstable, its evidence is that against the stable member which the data speak against least: the chosen one may have
 /// parameters that follow a smooth error of the measurement, which are no reason against stability.
-FamilyMembers rational_members(const FrequencyResponseData& data, const ResidualRule& rule,
-                               const RationalFamily& family, const FitOptions& options, RatioGrowths& ratios) {
-  const RationalProblem anywhere(data, rule);
+/// @param with        makes the problem of the data with poles in a region
+/// @param stable      whether the system is, as far as somebody knows
+template <class Make>
+FamilyMembers rational_members(const Make& with, const RationalFamily& family, Component component,
+                               const std::optional<bool>& stable, RatioGrowths& ratios) {
+  const RationalProblem anywhere = with(Poles::anywhere);
   if (2 * family.fewest_poles + 2 > anywhere.rows()) {
     throw std::invalid_argument(counted(anywhere.rows(), "residual") + " cannot determine " +
                                 counted(family.fewest_poles, "pole") + " and the numerator");
   }
-  const std::optional<bool>& stable = options.assumptions.stable;
   Grown free;
   if (stable != true) {
-    free = grown_family(anywhere, family, options.component, ratios);
+    free = grown_family(anywhere, family, component, ratios);
     if (stable == false || free.members.models.empty() || !is_unstable(free.chosen().shape)) return free.members;
   }
-  const RationalProblem left(data, rule, Poles::stable);
-  Grown held = grown_family(left, family, options.component, ratios.stable());
+  const RationalProblem left = with(Poles::stable);
+  Grown held = grown_family(left, family, component, ratios.stable());
   if (stable == true || held.members.models.empty()) return held.members;
   const auto leftover = [&](const RationalFit& fit) {
     const auto rows = static_cast<double>(left.rows());
@@ -166,37 +169,35 @@ FamilyMembers element_members(const TermProblem& problem, const ElementFamily& f
 FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
                          RatioGrowths& ratios) {
   const ResidualRule rule = rule_of(data, options);
-  FamilyMembers members = model.rational ? rational_members(data, rule, *model.rational, options, ratios)
-                          : model.terms  ? term_members(TermProblem(data, rule), *model.terms)
-                                         : element_members(TermProblem(data, rule), model.elements.value());
+  const auto with = [&](Poles poles) { return RationalProblem(data, rule, poles); };
+  FamilyMembers members =
+      model.rational ? rational_members(with, *model.rational, options.component, options.assumptions.stable, ratios)
+      : model.terms  ? term_members(TermProblem(data, rule), *model.terms)
+                     : element_members(TermProblem(data, rule), model.elements.value());
   if (members.models.empty()) {
     throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
   }
   return members;
 }
 
-}  // namespace
-
-FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  RatioGrowths ratios;
-  return members_of(data, model, options, ratios);
+FamilyMembers members_of(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
+                         RatioGrowths& ratios) {
+  const auto refuse = [&model](const char* reason) {
+    throw std::invalid_argument("model '" + model.name + "': " + reason);
+  };
+  if (!model.rational || model.rational->free_order)
+    refuse("the family is grown on frequency responses only; over time write the model as a formula");
+  if (model.rational->zeros && *model.rational->zeros > model.rational->most_poles)
+    refuse("more zeros than poles, so that it has no finite response to a step");
+  const auto with = [&](Poles poles) { return RationalProblem(data, options, poles); };
+  FamilyMembers members = rational_members(with, *model.rational, Component::both, std::nullopt, ratios);
+  if (members.models.empty()) refuse("too few samples for any member of this family");
+  return members;
 }
 
-std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
-                                                 RatioGrowths& ratios) {
-  const RationalProblem problem(data, rule_of(data, options));
-  const RationalLadder& ladder = ratios.ladder(problem);
-  return ladder.fits.empty() ? std::vector<std::complex<double>>{}
-                             : problem.response(ladder.fits.at(ladder.chosen).shape);
-}
-
-FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  RatioGrowths ratios;
-  return best_member(data, model, options, ratios);
-}
-
-FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
-                          RatioGrowths& ratios) {
+/// The chosen member alone.
+template <class Data, class Options>
+FamilyMembers chosen_member(const Data& data, const NamedModel& model, const Options& options, RatioGrowths& ratios) {
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
   const auto best_of = [&](FamilyMembers members) {
     NamedModel& best = members.models.at(members.chosen);
@@ -209,6 +210,36 @@ FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& m
   FamilyMembers members = best_of(members_of(data, model, options, ratios));
   if (members.set_aside) members.set_aside = std::make_shared<const FamilyMembers>(best_of(*members.set_aside));
   return members;
+}
+
+}  // namespace
+
+FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+  RatioGrowths ratios;
+  return members_of(data, model, options, ratios);
+}
+
+FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
+  RatioGrowths ratios;
+  return members_of(data, model, options, ratios);
+}
+
+std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
+                                                 RatioGrowths& ratios) {
+  const RationalProblem problem(data, rule_of(data, options));
+  const RationalLadder& ladder = ratios.ladder(problem);
+  return ladder.fits.empty() ? std::vector<std::complex<double>>{}
+                             : problem.response(ladder.fits.at(ladder.chosen).shape);
+}
+
+FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
+                          RatioGrowths& ratios) {
+  return chosen_member(data, model, options, ratios);
+}
+
+FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
+                          RatioGrowths& ratios) {
+  return chosen_member(data, model, options, ratios);
 }
 
 }  // namespace frac::detail

@@ -46,6 +46,9 @@ class RatioGrowths;  // see rational_growth.hpp
 /// @throws std::invalid_argument  as resolved_model()
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
                                            const FitOptions& options);
+/// None over time has more zeros than poles: it would have no finite response to a step.
+[[nodiscard]] FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model,
+                                           const TimeFitOptions& options);
 
 /// Response of the best ratio of the default family at the frequencies of the data; empty where there is none.
 /// @param ratios  nothing, or what has grown of the same data and options
@@ -53,10 +56,10 @@ class RatioGrowths;  // see rational_growth.hpp
                                                                const FitOptions& options, RatioGrowths& ratios);
 
 /// The chosen member alone, which knows whether it ends its family.
-[[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
-                                        const FitOptions& options);
 /// @param ratios  what other families of the same data and options have grown
 [[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options, RatioGrowths& ratios);
+[[nodiscard]] FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model,
+                                        const TimeFitOptions& options, RatioGrowths& ratios);
 
 }  // namespace frac::detail

@@ -35,30 +35,50 @@ double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd
 
 }  // namespace
 
-ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule)
-    : form_(rule.form), centre_(std::sqrt(data.omega().front()) * std::sqrt(data.omega().back())) {
+void RecordRows::put(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Ref<Eigen::VectorXd> column) const {
+  column = weight.cwiseProduct(values);
+  whitening.apply({column.data(), static_cast<std::size_t>(column.size())});
+  if (background.cols() > 0) remove_span(background, column);
+}
+
+ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule) : form_(rule.form) {
+  take_band(data.omega());
   const auto points = static_cast<Index>(data.size());
-  log_lower_ = std::log(data.omega().front() / centre_);
-  weight_.resize(points);
-  s_.resize(points);
-  log_s_.resize(points);
-  Eigen::VectorXcd value(points);
-  for (Index i = 0; i < points; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    log_omega_.push_back(std::log(data.omega()[at] / centre_));
-    s_[i] = Complex(0, data.omega()[at] / centre_);
-    log_s_[i] = Complex(log_omega_.back(), std::numbers::pi / 2);
-    weight_[i] = rule.weight[at];
-    value[i] = data.value()[at];
-  }
+  weight_ = Eigen::Map<const Eigen::VectorXd>(rule.weight.data(), points);
+  const Eigen::VectorXcd value = Eigen::Map<const Eigen::VectorXcd>(data.value().data(), points);
   end_slope_ = slope_at_end(log_omega_, value);
-  const Eigen::VectorXd omega = s_.imag();
-  grid_.prepare({omega.data(), data.size()});
   target_.resize(form_ == ResidualForm::cartesian ? 2 * points : points);
   put(value, target_);
 }
 
+ProjectedData::ProjectedData(RecordRows record)
+    : record_(std::move(record)), form_(ResidualForm::cartesian), end_slope_(-std::numeric_limits<double>::infinity()) {
+  const Index count = std::max<Index>(16, record_->time.size() / 2);
+  const Eigen::ArrayXd log_omega = Eigen::ArrayXd::LinSpaced(count, std::log(record_->slow), std::log(record_->fast));
+  const Eigen::VectorXd omega = log_omega.exp();
+  take_band({omega.begin(), omega.end()});
+  target_.resize(record_->output.size());
+  record_->put(record_->output, target_);
+}
+
+void ProjectedData::take_band(const std::vector<double>& omega) {
+  centre_ = std::sqrt(omega.front()) * std::sqrt(omega.back());
+  log_lower_ = std::log(omega.front() / centre_);
+  const auto count = static_cast<Index>(omega.size());
+  s_.resize(count);
+  log_s_.resize(count);
+  for (Index i = 0; i < count; ++i) {
+    const double scaled = omega[static_cast<std::size_t>(i)] / centre_;
+    log_omega_.push_back(std::log(scaled));
+    s_[i] = Complex(0, scaled);
+    log_s_[i] = Complex(log_omega_.back(), std::numbers::pi / 2);
+  }
+  const Eigen::VectorXd scaled = s_.imag();
+  grid_.prepare({scaled.data(), omega.size()});
+}
+
 void ProjectedData::put(const Eigen::Ref<const Eigen::VectorXcd>& values, Eigen::Ref<Eigen::VectorXd> column) const {
+  if (record_) return record_->put(values.real(), column);
   const Index points = values.size();
   switch (form_) {
     case ResidualForm::real:
@@ -218,6 +238,15 @@ double NormalEquations::gain(const Eigen::VectorXd& step) const {
 }
 
 std::vector<double> ProjectedData::sizes(const Linear& linear) const {
+  if (record_) {
+    std::vector<double> size;
+    for (const Complex s : s_) {
+      const Eigen::ArrayXd phase = s.imag() * centre_ * record_->time.array();
+      size.push_back(
+          std::hypot((phase.cos() * linear.residual.array()).sum(), (phase.sin() * linear.residual.array()).sum()));
+    }
+    return size;
+  }
   const auto points = static_cast<std::size_t>(s_.size());
   std::vector<double> size(points, 0.0);
   for (std::size_t i = 0; i < rows(); ++i) {

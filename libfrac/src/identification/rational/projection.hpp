@@ -13,6 +13,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/model/frequency_response_data.hpp"
+#include "identification/data/first_order_whitening.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "realisation/power_grid.hpp"
 
@@ -42,14 +43,31 @@ struct NormalEquations {
   [[nodiscard]] double gain(const Eigen::VectorXd& step) const;
 };
 
-/// Data and weights of residuals that are linear in the coefficients of a model sum c_k column_k(omega).  Frequencies
-/// are in units of the middle of the band.
+/// Outputs of a record as residuals see them: weighted, freed of the correlation of their noise and of what offset and
+/// drift explain.
+struct RecordRows {
+  Eigen::VectorXd time;  // s, from the first sample
+  Eigen::VectorXd weight, output;
+  FirstOrderWhitening whitening;
+  Eigen::MatrixXd background;  // orthonormal, of weighted and whitened offset and drift
+  double slow, fast;           // rad/s: the band that the record resolves
+
+  void put(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Ref<Eigen::VectorXd> column) const;
+};
+
+/// Data and weights of residuals that are linear in the coefficients of a model: sum c_k column_k at the frequencies of
+/// a response, or at the outputs of a record.  Frequencies are in units of the middle of the band.
 class ProjectedData {
  public:
   /// @param rule  of the imaginary, the real, or both parts
   ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule);
+  /// Columns are the real parts of values at the outputs of a record; s runs over the band that it resolves, with as
+  /// many frequencies as the outputs tell apart.
+  explicit ProjectedData(RecordRows record);
 
   [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(target_.size()); }
+  /// Frequencies of a response or outputs of a record.
+  [[nodiscard]] std::size_t points() const { return record_ ? rows() : log_omega_.size(); }
   /// Whether residuals are of the real or of the imaginary part alone.
   [[nodiscard]] bool one_part() const { return form_ != ResidualForm::cartesian; }
   [[nodiscard]] double centre_omega() const { return centre_; }
@@ -62,7 +80,8 @@ class ProjectedData {
   [[nodiscard]] Eigen::ArrayXcd power(double order, double shift = 0) const;
   /// e^{-s time}
   [[nodiscard]] Eigen::ArrayXcd delayed(double time) const;
-  /// d ln|value| / d ln omega of the data at the upper end of the band, over half a decade or three points.
+  /// d ln|value| / d ln omega of the data at the upper end of the band, over half a decade or three points.  A record
+  /// hardly shows that end, where the response may fall as steeply as any.
   [[nodiscard]] double end_slope() const { return end_slope_; }
   /// The weighted data, as the residuals hold them.
   [[nodiscard]] const Eigen::VectorXd& target() const { return target_; }
@@ -109,13 +128,16 @@ class ProjectedData {
   [[nodiscard]] NormalEquations normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const;
   /// Rows of complex values, as the residuals hold them.
   void put(const Eigen::Ref<const Eigen::VectorXcd>& values, Eigen::Ref<Eigen::VectorXd> column) const;
-  /// Size of the residual at each point.
+  /// Size of the residual at each frequency: of its Fourier sum over a record.
   [[nodiscard]] std::vector<double> sizes(const Linear& linear) const;
 
  private:
+  /// Frequencies in units of the middle of the band.
+  void take_band(const std::vector<double>& omega);
   /// Length of the weighted part that is not fitted where one is.
   [[nodiscard]] double unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const;
 
+  std::optional<RecordRows> record_;
   ResidualForm form_;
   double centre_, log_lower_, end_slope_;
   std::vector<double> log_omega_;

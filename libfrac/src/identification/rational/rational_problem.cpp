@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <random>
 
 #include "base/polynomial.hpp"
 #include "identification/data/physical_properties.hpp"
@@ -36,6 +37,20 @@ Eigen::ArrayXcd factor_values(const PoleFactor& factor, const Eigen::ArrayXcd& z
   const Eigen::ArrayXcd at = scaled(factor, z, order);
   if (!factor.pair) return factor.sign * at + 1.0;
   return at * at + 2 * std::sinh(factor.damping) * at + 1.0;
+}
+
+/// At most `count` of the observed outputs, at one place by chance in each of as many equal parts of the record: at
+/// even steps a fast motion would look like a slow one.
+TimeResponseData some_outputs(const TimeResponseData& data, std::size_t count) {
+  const std::vector<std::size_t>& all = data.observed();
+  if (all.size() <= count) return data;
+  std::mt19937_64 generator(1);
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t from = i * all.size() / count, to = (i + 1) * all.size() / count;
+    chosen.push_back(all[from + generator() % (to - from)]);
+  }
+  return data.observed_at(std::move(chosen));
 }
 
 double least_stable_damping(double order) {
@@ -161,6 +176,24 @@ RationalProblem::RationalProblem(const FrequencyResponseData& data, const Residu
   few_ = few;
 }
 
+RationalProblem::RationalProblem(const TimeResponseData& data, const TimeFitOptions& options, Poles poles,
+                                 std::size_t outputs)
+    : ProjectedData(record_rows(some_outputs(data, outputs), options)),
+      poles_(poles),
+      record_(std::make_shared<RecordAnswers>(some_outputs(data, outputs), options.earlier_input, centre_omega())),
+      longest_delay_((data.time().back() - data.time().front()) * centre_omega()) {}
+
+// Up to 12 poles and as many zeros, an offset and a drift.
+RationalProblem::RationalProblem(const TimeResponseData& data, const TimeFitOptions& options, Poles poles)
+    : RationalProblem(data, options, poles, 400) {
+  constexpr std::size_t scouted = 100;
+  if (points() > scouted) few_.reset(new RationalProblem(data, options, poles, scouted));
+}
+
+std::size_t RationalProblem::parameter_count(const RationalShape& shape, Eigen::Index rank) const {
+  return shape.nonlinear() + static_cast<std::size_t>(rank) - (record_ ? record_->free_motion_count(shape) : 0);
+}
+
 std::size_t RationalShape::poles() const {
   std::size_t count = integrators;
   for (const PoleFactor& factor : factors) count += factor.pair ? 2 : 1;
@@ -173,6 +206,11 @@ std::size_t RationalShape::relaxations() const {
 }
 
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
+  Eigen::MatrixXcd values = frequency_columns(shape);
+  return record_ ? record_->columns(shape, s(), values) : values;
+}
+
+Eigen::MatrixXcd RationalProblem::frequency_columns(const RationalShape& shape) const {
   Eigen::MatrixXcd result(s().size(), static_cast<Index>(shape.degree - shape.low + 1));
   Index filled = 0;
   visit_columns(*this, shape, false, [&](const Eigen::ArrayXcd& column, const Eigen::ArrayXcd& /*by_order*/) {
@@ -188,12 +226,21 @@ Eigen::MatrixXcd RationalProblem::columns_of(const PoleFactor& factor, const Rat
   Eigen::MatrixXcd result(z.size(), factor.pair ? 2 : 1);
   result.col(0) = part.matrix();
   if (factor.pair) result.col(1) = (part * scaled(factor, z, shape.order)).matrix();
-  return result;
+  if (!record_) return result;
+  RationalShape alone;
+  alone.factors = {factor};
+  alone.delayed = shape.delayed;
+  alone.delay = shape.delay;
+  return record_->columns(alone, s(), result);
 }
 
 Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const Linear& linear) const {
   const Eigen::ArrayXcd z = powers(*this, shape.order);
-  const Eigen::ArrayXcd model = linear.model.array();
+  Eigen::ArrayXcd model = linear.model.array();
+  if (record_) {
+    const Eigen::MatrixXcd values = frequency_columns(shape);
+    model = (values * linear.coefficients.head(values.cols()).cast<Complex>()).array();
+  }
   Eigen::MatrixXcd result(z.size(), static_cast<Index>(shape.nonlinear()));
   Index column = 0;
   for (const PoleFactor& factor : shape.factors) {
@@ -215,7 +262,7 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
     });
     result.col(column++) = change.matrix();
   }
-  return result;
+  return record_ ? record_->derivatives(shape, s(), result, linear.coefficients) : result;
 }
 
 StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {
@@ -265,7 +312,7 @@ RationalFit RationalProblem::at(const RationalShape& shape) const {
   const std::optional<Projection> projection = project(columns(fit.shape));
   if (!projection) return fit;
   fit.cost = projection->cost;
-  fit.parameters = fit.shape.nonlinear() + static_cast<std::size_t>(projection->orthonormal.cols());
+  fit.parameters = parameter_count(fit.shape, projection->orthonormal.cols());
   return fit;
 }
 
@@ -274,7 +321,7 @@ RationalFit RationalProblem::searched(RationalShape shape, const Effort& effort)
   sort_by_size(shape.factors);
   Linear linear;
   if (!gauss_newton(*this, *this, shape, linear, effort)) return {shape, infinity, 0};
-  return {shape, linear.cost, shape.nonlinear() + static_cast<std::size_t>(linear.orthonormal.cols())};
+  return {shape, linear.cost, parameter_count(shape, linear.orthonormal.cols())};
 }
 
 RationalFit RationalProblem::refine(const RationalShape& start, const Effort& effort) const {
@@ -296,10 +343,10 @@ double RationalProblem::correlation(const RationalShape& shape) const {
   Linear linear;
   if (!solve(columns(shape), linear)) return 0;
   // Real parts stand before imaginary ones.
-  const std::size_t points = log_omega().size();
   double product = 0;
   for (std::size_t i = 1; i < rows(); ++i) {
-    if (i % points != 0) product += linear.residual[static_cast<Index>(i)] * linear.residual[static_cast<Index>(i - 1)];
+    if (i % points() != 0)
+      product += linear.residual[static_cast<Index>(i)] * linear.residual[static_cast<Index>(i - 1)];
   }
   return linear.cost > 0 ? product / linear.cost : 0;
 }

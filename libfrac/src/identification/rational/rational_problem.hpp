@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "projection.hpp"
+#include "record_answers.hpp"
 
 namespace frac::detail {
 
@@ -76,6 +77,9 @@ class RationalProblem : public ProjectedData {
  public:
   /// @param rule  see ProjectedData
   RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles = Poles::anywhere);
+  /// Of a record at so many of its outputs that they tell members of a family apart.  No shape has a free order or more
+  /// zeros than poles there.
+  RationalProblem(const TimeResponseData& data, const TimeFitOptions& options, Poles poles = Poles::anywhere);
 
   /// The problem at so few of its points that scouting is quick, or itself.
   [[nodiscard]] const RationalProblem& few() const { return few_ ? *few_ : *this; }
@@ -106,11 +110,17 @@ class RationalProblem : public ProjectedData {
   [[nodiscard]] RationalShape stepped(const RationalShape& shape, const Eigen::VectorXd& step) const;
 
  private:
+  /// @param outputs  of a record that are to be used at most
+  RationalProblem(const TimeResponseData& data, const TimeFitOptions& options, Poles poles, std::size_t outputs);
+  [[nodiscard]] std::size_t parameter_count(const RationalShape& shape, Eigen::Index rank) const;
+  /// Values of the columns at s.
+  [[nodiscard]] Eigen::MatrixXcd frequency_columns(const RationalShape& shape) const;
   /// Pairs beyond the stable sector go to its edge.
   void keep_in_sector(RationalShape& shape) const;
   [[nodiscard]] RationalFit searched(RationalShape shape, const Effort& effort) const;
 
   Poles poles_;
+  std::shared_ptr<const RecordAnswers> record_;  // none for a frequency response
   double longest_delay_;
   std::shared_ptr<const RationalProblem> few_;
 };
