@@ -344,20 +344,25 @@ TEST(Rational, OfARecordAnswersAsTheFormulaDoes) {
   for (const auto hold : {frac::Hold::zero_order, frac::Hold::first_order}) {
     for (const bool even : {true, false}) {
       for (const bool delayed : {false, true}) {
-        const std::string formula =
-            std::string(delayed ? "exp(-0.73 s) " : "") + "(1 + 0.4 s)/(s (s/0.4 + 1) (s^2/9 + 0.1 s + 1) (s/5 + 1)^2)";
-        const frac::detail::RationalProblem problem(record_of(formula.c_str(), hold, even), {});
-        const double centre = problem.centre_omega();
-        frac::detail::RationalShape shape;
-        // (s/5 + 1)^2 as a pair: 2 sinh(damping) = 2.
-        shape.factors = {{false, std::log(0.4 / centre), 0, 1},
-                         {true, std::log(3 / centre), std::asinh(0.15), 1},
-                         {true, std::log(5 / centre), std::asinh(1.0), 1}};
-        shape.integrators = 1;
-        shape.degree = 1;
-        shape.delayed = delayed;
-        shape.delay = 0.73 * centre;
-        EXPECT_LT(problem.at(shape).cost, 1e-16 * problem.data_power()) << formula << even;
+        for (const std::string a : {"1", "0.8"}) {
+          const std::string formula = std::string(delayed ? "exp(-0.73 s) " : "") + "(1 + 0.4 s^" + a + ")/(s^" + a +
+                                      " ((s/0.4)^" + a + " + 1) ((s/3)^(2*" + a + ") + 0.3 (s/3)^" + a +
+                                      " + 1) ((s/5)^" + a + " + 1)^2)";
+          const frac::detail::RationalProblem problem(record_of(formula.c_str(), hold, even), {});
+          const double centre = problem.centre_omega();
+          frac::detail::RationalShape shape;
+          // ((s/5)^a + 1)^2 as a pair: 2 sinh(damping) = 2.
+          shape.factors = {{false, std::log(0.4 / centre), 0, 1},
+                           {true, std::log(3 / centre), std::asinh(0.15), 1},
+                           {true, std::log(5 / centre), std::asinh(1.0), 1}};
+          shape.integrators = 1;
+          shape.degree = 1;
+          shape.delayed = delayed;
+          shape.delay = 0.73 * centre;
+          shape.order = std::stod(a);
+          shape.free_order = shape.order != 1;
+          EXPECT_LT(problem.at(shape).cost, 1e-16 * problem.data_power()) << formula << even;
+        }
       }
     }
   }
@@ -368,7 +373,7 @@ TEST(Rational, OfARecordAnswersAsTheFormulaDoes) {
 TEST(Rational, DerivativesOfARecordAreThoseOfDifferences) {
   const auto data = record_of("(1 + 0.4 s)/((s/0.4 + 1) (s^2/9 + 0.1 s + 1))", frac::Hold::zero_order, true);
   frac::TimeFitOptions options;
-  for (const bool earlier : {false, true}) {
+  for (const auto& [earlier, free_order] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
     options.earlier_input = earlier;
     const frac::detail::RationalProblem problem(data, options);
     frac::detail::RationalShape shape;
@@ -376,10 +381,13 @@ TEST(Rational, DerivativesOfARecordAreThoseOfDifferences) {
     shape.degree = 3;
     shape.delayed = true;
     shape.delay = 0.2;
+    shape.free_order = free_order;
+    shape.order = free_order ? 0.8 : 1;
     frac::detail::RationalProblem::Linear linear;
     ASSERT_TRUE(problem.solve(problem.columns(shape), linear));
     const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
-    ASSERT_EQ(derivatives.cols(), 5);
+    const Eigen::Index count = free_order ? 6 : 5;
+    ASSERT_EQ(derivatives.cols(), count);
     const Eigen::VectorXcd coefficients = linear.coefficients.cast<std::complex<double>>();
     // The space of the columns is what differences by poles are known up to.
     const auto outside = [&](const Eigen::VectorXcd& change) {
@@ -387,9 +395,9 @@ TEST(Rational, DerivativesOfARecordAreThoseOfDifferences) {
       problem.put(change, column);
       return Eigen::VectorXd(column - linear.orthonormal * (linear.orthonormal.transpose() * column));
     };
-    for (Eigen::Index k = 0; k < 5; ++k) {
+    for (Eigen::Index k = 0; k < count; ++k) {
       constexpr double step = 1e-4;
-      const Eigen::VectorXd change = step * Eigen::VectorXd::Unit(5, k);
+      const Eigen::VectorXd change = step * Eigen::VectorXd::Unit(count, k);
       const Eigen::VectorXcd difference =
           (problem.columns(problem.stepped(shape, change)) - problem.columns(problem.stepped(shape, -change))) *
           coefficients / (2 * step);

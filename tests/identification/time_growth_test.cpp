@@ -149,7 +149,7 @@ TEST(TimeGrowth, FindsTheModesOfAFlexibleMachine) {
 
 TEST(TimeGrowth, OtherFamiliesAreRefused) {
   const auto data = step_record(three_lags, 15, 61, 1e-3, 1);
-  for (const char* family : {"commensurate", "terms", "rational:3/2"}) {
+  for (const char* family : {"terms", "elements", "rational:3/2"}) {
     EXPECT_THROW((void)frac::resolved_model(data, frac::find_model(family), frac::TimeFitOptions{}),
                  std::invalid_argument)
         << family;

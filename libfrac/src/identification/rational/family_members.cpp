@@ -185,7 +185,7 @@ FamilyMembers members_of(const TimeResponseData& data, const NamedModel& model, 
   const auto refuse = [&model](const char* reason) {
     throw std::invalid_argument("model '" + model.name + "': " + reason);
   };
-  if (!model.rational || model.rational->free_order)
+  if (!model.rational)
     refuse("the family is grown on frequency responses only; over time write the model as a formula");
   if (model.rational->zeros && *model.rational->zeros > model.rational->most_poles)
     refuse("more zeros than poles, so that it has no finite response to a step");

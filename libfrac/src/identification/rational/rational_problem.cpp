@@ -207,7 +207,7 @@ std::size_t RationalShape::relaxations() const {
 
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
   Eigen::MatrixXcd values = frequency_columns(shape);
-  return record_ ? record_->columns(shape, s(), values) : values;
+  return record_ ? record_->columns(shape, log_s(), values) : values;
 }
 
 Eigen::MatrixXcd RationalProblem::frequency_columns(const RationalShape& shape) const {
@@ -227,11 +227,10 @@ Eigen::MatrixXcd RationalProblem::columns_of(const PoleFactor& factor, const Rat
   result.col(0) = part.matrix();
   if (factor.pair) result.col(1) = (part * scaled(factor, z, shape.order)).matrix();
   if (!record_) return result;
-  RationalShape alone;
+  RationalShape alone = shape;
   alone.factors = {factor};
-  alone.delayed = shape.delayed;
-  alone.delay = shape.delay;
-  return record_->columns(alone, s(), result);
+  alone.integrators = alone.low = alone.degree = 0;
+  return record_->columns(alone, log_s(), result);
 }
 
 Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const Linear& linear) const {
@@ -262,7 +261,7 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
     });
     result.col(column++) = change.matrix();
   }
-  return record_ ? record_->derivatives(shape, s(), result, linear.coefficients) : result;
+  return record_ ? record_->derivatives(shape, log_s(), result, linear.coefficients) : result;
 }
 
 StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {

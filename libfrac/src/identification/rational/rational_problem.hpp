@@ -77,8 +77,8 @@ class RationalProblem : public ProjectedData {
  public:
   /// @param rule  see ProjectedData
   RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule, Poles poles = Poles::anywhere);
-  /// Of a record at so many of its outputs that they tell members of a family apart.  No shape has a free order or more
-  /// zeros than poles there.
+  /// Of a record at so many of its outputs that they tell members of a family apart.  No shape has more zeros than
+  /// poles there.
   RationalProblem(const TimeResponseData& data, const TimeFitOptions& options, Poles poles = Poles::anywhere);
 
   /// The problem at so few of its points that scouting is quick, or itself.

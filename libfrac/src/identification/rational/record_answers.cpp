@@ -22,74 +22,138 @@ constexpr double tolerance = 1e-10;  // of simulations; residuals of 1e-9 are no
 
 /// A part of a model as a formula; the letters of its parameters stand in the order of their values.
 struct Part {
-  explicit Part(const std::string& formula, const char* letters)
-      : prompt(formula), delayed("exp(-L s) (" + formula + ")"), names(letters) {}
+  Part(const std::string& formula, std::string letters)
+      : prompt(formula), delayed("exp(-L s) (" + formula + ")"), names(std::move(letters)) {}
   Structure prompt, delayed;
   std::string names;
 };
 
-const Part& gain() {
-  static const Part part("b", "b");
-  return part;
-}
-const Part& single_pole() {
-  static const Part part("b/(s/p + 1)", "bp");
-  return part;
-}
-const Part& pole_pair() {
-  static const Part part("(b + c s/w)/(s^2/w^2 + d s/w + 1)", "bcwd");
-  return part;
+/// Over the denominator k s^a + 1, or m s^(2a) + n s^a + 1 of a pair.
+const Part& part_of(bool pair, bool free_order) {
+  static const std::array<Part, 4> parts{Part("b/(k s + 1)", "bk"), Part("b/(k s^a + 1)", "bka"),
+                                         Part("(b + c s)/(m s^2 + n s + 1)", "bcmn"),
+                                         Part("(b + c s^a)/(m s^(2 a) + n s^a + 1)", "bcmna")};
+  return parts[(pair ? 2u : 0u) + (free_order ? 1u : 0u)];
 }
 
-/// Values and derivatives by the parameters, in their order; not finite where the part outgrows a double.
+/// What a part answers, and the derivatives by its parameters in their order and by the delay; not finite where it
+/// outgrows a double.
 template <class Response>
 Eigen::MatrixXd answer(const Response& response, Index outputs, const Part& part, const std::vector<double>& values,
-                       double delay = 0) {
-  const Structure& structure = delay > 0 ? part.delayed : part.prompt;
-  std::vector<double> parameters(structure.parameter_names().size());
-  const auto index = [&](char letter) { return structure.parameter_index(std::string(1, letter)); };
-  for (std::size_t i = 0; i < values.size(); ++i) parameters[index(part.names[i])] = values[i];
-  if (delay > 0) parameters[index('L')] = delay;
-  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(outputs, 1 + static_cast<Index>(values.size()),
+                       std::optional<double> delay) {
+  const Structure& structure = delay ? part.delayed : part.prompt;
+  std::vector<std::size_t> order;
+  for (const char letter : part.names) order.push_back(structure.parameter_index(std::string(1, letter)));
+  if (delay) order.push_back(structure.parameter_index("L"));
+  std::vector<double> parameters(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) parameters[order[i]] = i < values.size() ? values[i] : *delay;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(outputs, 1 + static_cast<Index>(order.size()),
                                                      std::numeric_limits<double>::quiet_NaN());
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters);
   EventResponse::Result found;
   if (!ratio || !response.evaluate(*ratio, tolerance, found)) return result;
   result.col(0) = found.value;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    result.col(1 + static_cast<Index>(i)) = found.gradient.col(static_cast<Index>(index(part.names[i])));
+  for (std::size_t i = 0; i < order.size(); ++i)
+    result.col(1 + static_cast<Index>(i)) = found.gradient.col(static_cast<Index>(order[i]));
   return result;
 }
 
-/// The parts that a factor f of the denominator gives, at s: 1/f and its derivative by the logarithm of a single pole;
-/// of a pair 1/f, s/f, the derivatives of 1/f by the logarithm of its size and by d.
-Eigen::MatrixXcd values_of(const PoleFactor& factor, const Eigen::ArrayXcd& s) {
-  const Eigen::ArrayXcd z = s * std::exp(-factor.log_size);
-  Eigen::MatrixXcd values(s.size(), factor.pair ? 4 : 2);
-  if (factor.pair) {
-    const double d = 2 * std::sinh(factor.damping);
-    const Eigen::ArrayXcd f = (z * z + d * z + 1.0).inverse();
-    values << f.matrix(), (z * f).matrix(), ((2.0 * z + d) * z * f * f).matrix(), (-z * f * f).matrix();
-  } else {
-    const Eigen::ArrayXcd f = (factor.sign * z + 1.0).inverse();
-    values << f.matrix(), (factor.sign * z * f * f).matrix();
+/// A factor of the denominator of a shape in rad/s.
+struct Section {
+  Section(const RationalShape& shape, const PoleFactor& factor, double centre)
+      : pair(factor.pair),
+        free_order(shape.searches_order()),
+        order(shape.order),
+        log_size(factor.log_size + std::log(centre)),
+        in_z(std::exp(-order * log_size)),
+        first(pair ? in_z * in_z : factor.sign * in_z),
+        second(2 * std::sinh(factor.damping) * in_z) {}
+
+  /// (b + c s^a) over the factor.
+  template <class Response>
+  [[nodiscard]] Eigen::MatrixXd over(const Response& response, Index outputs, double b, double c,
+                                     std::optional<double> delay) const {
+    std::vector<double> values = pair ? std::vector{b, c, first, second} : std::vector{b, first};
+    if (free_order) values.push_back(order);
+    return answer(response, outputs, part_of(pair, free_order), values, delay);
   }
-  return values;
+
+  bool pair, free_order;
+  double order, log_size;
+  double in_z;           // (1/size)^order
+  double first, second;  // k, or m and n
+};
+
+/// Columns side by side.
+class Columns {
+ public:
+  Columns(Index rows, Index count) : columns_(rows, count) {}
+  template <class Column>
+  void add(const Column& column) {
+    columns_.col(filled_++) = column;
+  }
+  [[nodiscard]] Eigen::MatrixXcd taken() { return columns_.leftCols(filled_); }
+
+ private:
+  Eigen::MatrixXcd columns_;
+  Index filled_ = 0;
+};
+
+/// The parts that a shape consists of, each at s and as it is answered: 1, powers of 1/z = s^-a, 1/f of each factor f
+/// of the denominator and z/f of a pair, and what derivatives of such sums consist of besides.
+struct Parts {
+  Columns values, answers;
+  bool by_delay;
+
+  template <class Value, class Answer>
+  void add(const Value& value, const Answer& answered) {
+    values.add(value.matrix());
+    answers.add(answered.template cast<Complex>());
+  }
+};
+
+void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, const RecordResponse& response,
+                     Index outputs, std::optional<double> delay, Parts& parts) {
+  const bool free_order = shape.searches_order();
+  for (std::size_t k = 0; k <= shape.integrators; ++k) {
+    const auto power = static_cast<double>(k);
+    const std::string exponent = std::to_string(k) + (free_order ? " a" : "");
+    const Part part(k == 0 ? "b" : "b/s^(" + exponent + ")", k > 0 && free_order ? "ba" : "b");
+    const Eigen::MatrixXd all =
+        answer(response, outputs, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay);
+    const Eigen::ArrayXcd value = (-power * shape.order * log_s).exp();
+    parts.add(value, all.col(0));
+    if (k > 0 && free_order) parts.add(-power * log_s * value, all.col(2));
+    // What the input passes on at once answers a change of the delay by the slope of the input, which is held.
+    const double held = k > 0 ? 1 : 0;
+    if (parts.by_delay) parts.add(-log_s.exp() * value, held * all.rightCols(1));
+  }
 }
 
-/// What the same parts answer.
-template <class Response>
-Eigen::MatrixXd answers_of(const Response& response, Index outputs, const PoleFactor& factor, double centre,
-                           double delay) {
-  const double size = std::exp(factor.log_size) * centre;
-  if (factor.pair) {
-    Eigen::MatrixXd all = answer(response, outputs, pole_pair(), {1, 0, size, 2 * std::sinh(factor.damping)}, delay);
-    all.col(3) *= size;
-    return chosen_columns(all, std::array<Index, 4>{0, 2, 3, 4});
+void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const RecordResponse& response, Index outputs,
+                 std::optional<double> delay, Parts& parts) {
+  const Eigen::ArrayXcd z = section.in_z * (section.order * log_s).exp();
+  const Eigen::MatrixXd all = section.over(response, outputs, 1, 0, delay);
+  if (!section.pair) {
+    const Eigen::ArrayXcd kz = section.first / section.in_z * z, f = (kz + 1.0).inverse(), by_k = -kz * f * f;
+    parts.add(f, all.col(0));
+    parts.add(by_k, section.first * all.col(2));
+    if (section.free_order) parts.add(by_k * log_s, all.col(3));
+    if (parts.by_delay) parts.add(-log_s.exp() * f, all.rightCols(1));
+    return;
   }
-  Eigen::MatrixXd all = answer(response, outputs, single_pole(), {1, factor.sign * size}, delay);
-  all.col(2) *= factor.sign * size;
-  return chosen_columns(all, std::array<Index, 2>{0, 2});
+  const Eigen::ArrayXcd nz = section.second / section.in_z * z, f = (z * z + nz + 1.0).inverse();
+  const Eigen::ArrayXcd by_power = -(2.0 * z * z + nz) * f;  // d ln f / d ln z
+  parts.add(f, all.col(0));
+  parts.add(z * f, section.in_z * all.col(2));
+  parts.add(-z * z * f * f, section.first * all.col(3));
+  parts.add(-z * f * f, section.in_z * all.col(4));
+  if (section.free_order) parts.add(by_power * log_s * f, all.col(5));
+  if (parts.by_delay) parts.add(-log_s.exp() * f, all.rightCols(1));
+  if (!section.free_order && !parts.by_delay) return;
+  const Eigen::MatrixXd rising = section.over(response, outputs, 0, section.in_z, delay);
+  if (section.free_order) parts.add((1.0 + by_power) * log_s * z * f, rising.col(5));
+  if (parts.by_delay) parts.add(-log_s.exp() * z * f, rising.rightCols(1));
 }
 
 Eigen::MatrixXd real_rows(const Eigen::MatrixXcd& values) {
@@ -146,48 +210,32 @@ RecordAnswers::RecordAnswers(const TimeResponseData& data, bool earlier_input, d
                 observed_times(data));
 }
 
-Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::VectorXcd& s,
-                                  const Eigen::MatrixXcd& values) const {
-  const double delay = shape.delayed ? shape.delay / centre_ : 0;
-  const Index powers = static_cast<Index>(shape.integrators) + 1;
-  Index count = powers + (shape.delayed ? 1 : 0);
-  for (const PoleFactor& factor : shape.factors) count += factor.pair ? 4 : 2;
-  Eigen::MatrixXd answers(outputs_, count);
-  Eigen::MatrixXcd at_s(s.size(), count);
-  Index filled = 0;
-  for (; filled < powers; ++filled) {
-    const Part part = filled == 0 ? gain() : Part("b/s^" + std::to_string(filled), "b");
-    answers.col(filled) =
-        answer(response_, outputs_, part, {std::pow(centre_, static_cast<double>(filled))}, delay).col(0);
-    at_s.col(filled) = s.array().pow(-static_cast<double>(filled)).matrix();
-  }
+Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
+                                  const Eigen::MatrixXcd& values, bool by_delay) const {
+  const Eigen::ArrayXcd log_omega = log_s.array() + std::log(centre_);
+  const std::optional<double> delay = shape.delayed ? std::optional(shape.delay / centre_) : std::nullopt;
+  const auto most = static_cast<Index>(4 * (shape.poles() + 1));
+  Parts parts{Columns(log_s.size(), most), Columns(outputs_, most), by_delay};
+  add_integrators(shape, log_omega, response_, outputs_, delay, parts);
+  for (const PoleFactor& factor : shape.factors)
+    add_section(Section(shape, factor, centre_), log_omega, response_, outputs_, delay, parts);
+  Eigen::MatrixXcd at_s = parts.values.taken();
   if (shape.delayed) {
-    // The derivative by the delay of what the input passes on at once is its slope, which a held input does not have.
-    answers.col(filled).setZero();
-    at_s.col(filled++) = s;
-  }
-  for (const PoleFactor& factor : shape.factors) {
-    const Eigen::MatrixXcd of_factor = values_of(factor, s.array());
-    answers.middleCols(filled, of_factor.cols()) = answers_of(response_, outputs_, factor, centre_, delay);
-    at_s.middleCols(filled, of_factor.cols()) = of_factor;
-    filled += of_factor.cols();
-  }
-  if (shape.delayed) {
-    const Eigen::VectorXcd turn = (-shape.delay * s.array()).exp().matrix();
+    const Eigen::VectorXcd turn = (-*delay * log_omega.exp()).exp().matrix();
     at_s = turn.asDiagonal() * at_s;
   }
   Eigen::MatrixXd rows = real_rows(at_s);
   const Eigen::VectorXd length = rows.colwise().norm();
   rows *= length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd share = PivotedQr(rows, 1e-14).solve(real_rows(values));
-  return answers * (length.cwiseInverse().asDiagonal() * share);
+  return parts.answers.taken().real() * (length.cwiseInverse().asDiagonal() * share);
 }
 
 std::size_t RecordAnswers::free_motion_count(const RationalShape& shape) const {
   return step_ ? shape.poles() - shape.integrators : 0;
 }
 
-Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen::VectorXcd& s,
+Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                         const Eigen::MatrixXcd& values) const {
   const auto faded = static_cast<Index>(free_motion_count(shape));
   Eigen::MatrixXcd result(outputs_, values.cols() + faded);
@@ -195,35 +243,35 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
     result.setConstant(std::numeric_limits<double>::quiet_NaN());
     return result;
   }
-  result.leftCols(values.cols()) = of(shape, s, values).cast<Complex>();
+  result.leftCols(values.cols()) = of(shape, log_s, values, false).cast<Complex>();
   if (!step_) return result;
   Index filled = values.cols();
   for (const PoleFactor& factor : shape.factors) {
-    const Index count = factor.pair ? 2 : 1;
-    result.middleCols(filled, count) = answers_of(*step_, outputs_, factor, centre_, 0).leftCols(count).cast<Complex>();
-    result.col(filled).array() -= 1.0;  // the answer of 1/f to a step is 1 and a free motion
-    filled += count;
+    const Section section(shape, factor, centre_);
+    const Eigen::MatrixXd all = section.over(*step_, outputs_, 1, 0, {});
+    // The answer of 1/f to a step is 1 and a free motion.
+    result.col(filled++) = (all.col(0).array() - 1.0).cast<Complex>();
+    if (factor.pair) result.col(filled++) = (section.in_z * all.col(2)).cast<Complex>();
   }
   return result;
 }
 
-Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Eigen::VectorXcd& s,
+Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                             const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const {
-  Eigen::MatrixXd result = of(shape, s, values);
+  Eigen::MatrixXd result = of(shape, log_s, values, shape.delayed);
   if (!step_) return result.cast<Complex>();
   Index filled = 0;
-  Eigen::VectorXd amount = coefficients.tail(static_cast<Index>(free_motion_count(shape)));
+  const Eigen::VectorXd amount = coefficients.tail(static_cast<Index>(free_motion_count(shape)));
   for (const PoleFactor& factor : shape.factors) {
-    const double size = std::exp(factor.log_size) * centre_;
-    if (factor.pair) {
-      const Eigen::MatrixXd all = answer(*step_, outputs_, pole_pair(),
-                                         {amount[filled], amount[filled + 1], size, 2 * std::sinh(factor.damping)});
-      result.col(filled) += size * all.col(3);
-      result.col(filled + 1) += 2 * std::cosh(factor.damping) * all.col(4);
-    } else {
-      const Eigen::MatrixXd all = answer(*step_, outputs_, single_pole(), {amount[filled], factor.sign * size});
-      result.col(filled) += factor.sign * size * all.col(2);
-    }
+    const Section section(shape, factor, centre_);
+    const double c = factor.pair ? section.in_z * amount[filled + 1] : 0;
+    const Eigen::MatrixXd all = section.over(*step_, outputs_, amount[filled], c, {});
+    const Eigen::VectorXd by_log_z =
+        factor.pair ? Eigen::VectorXd(c * all.col(2) + 2 * section.first * all.col(3) + section.second * all.col(4))
+                    : Eigen::VectorXd(section.first * all.col(2));
+    result.col(filled) -= section.order * by_log_z;
+    if (section.free_order) result.rightCols(1) += all.rightCols(1) - section.log_size * by_log_z;
+    if (factor.pair) result.col(filled + 1) += 2 * std::cosh(factor.damping) * section.in_z * all.col(4);
     filled += factor.pair ? 2 : 1;
   }
   return result.cast<Complex>();

@@ -27,20 +27,21 @@ class RecordAnswers {
   /// The answers of functions whose poles are those of a shape, each at most once, known by their values at s, and
   /// behind them motions that fade by themselves, one for each pole, if the record may start in motion.  Not finite
   /// where an answer outgrows a double or a function passes derivatives of the input on.
-  [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape, const Eigen::VectorXcd& s,
+  /// @param log_s  over the band; s in units of its middle
+  [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                          const Eigen::MatrixXcd& values) const;
   /// The derivatives of an output by what acts nonlinearly in a shape.
   /// @param values        those of the derivatives of its rational function
   /// @param coefficients  of columns()
-  [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Eigen::VectorXcd& s,
+  [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                              const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const;
   [[nodiscard]] std::size_t free_motion_count(const RationalShape& shape) const;
 
  private:
-  /// They are combinations of 1, powers of 1/s and, for each factor f of the denominator, 1/f, s/f and the derivatives
-  /// of 1/f; least squares at s tell which.
-  [[nodiscard]] Eigen::MatrixXd of(const RationalShape& shape, const Eigen::VectorXcd& s,
-                                   const Eigen::MatrixXcd& values) const;
+  /// They are combinations of the parts of the shape; least squares at s tell which.
+  /// @param by_delay  whether derivatives by the delay are among them
+  [[nodiscard]] Eigen::MatrixXd of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
+                                   const Eigen::MatrixXcd& values, bool by_delay) const;
 
   Eigen::Index outputs_;
   double centre_;
