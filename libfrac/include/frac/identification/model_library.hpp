@@ -80,7 +80,7 @@ struct NamedModel {
 /// with and without dead time, sums of terms, and sums of passive elements.
 [[nodiscard]] std::vector<NamedModel> default_candidates();
 
-/// The same for samples over time, where of the families only rational models are grown.
+/// The same for samples over time, where no sums of terms or elements are grown.
 [[nodiscard]] std::vector<NamedModel> default_candidates_over_time();
 
 /// The preset of that name, a rational family, or the text taken as a formula.  A formula that is a preset's structure
@@ -110,8 +110,8 @@ struct NamedModel {
 [[nodiscard]] NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options);
 /// Over time, by the same growth: its columns are what parts of the ratio answer to the input.
-/// @throws std::invalid_argument  a family of sums, or with a free order, which are grown on frequency responses only;
-///     more zeros than poles; fewer samples than parameters.
+/// @throws std::invalid_argument  a family of sums, which are grown on frequency responses only; more zeros than poles;
+///     fewer samples than parameters.
 [[nodiscard]] NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);
 
