@@ -431,18 +431,21 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
                               const TimeFitOptions& options, int threads) {
   require_candidate(models.size());
-  detail::RatioGrowths none;  // over time each family grows by itself
   TimeFitOptions in_noise = detail::in_noise(options, options.noise_correlation);
   const bool is_open = options.noise != RecordNoise::white && options.noise_correlation == 0;
   const auto judged = [&](const std::vector<NamedModel>& candidates) {
-    FittedCandidates found = fitted_candidates(data, candidates, in_noise, none, threads);
+    const auto fitted = [&] {
+      detail::RatioGrowths ratios;  // in this noise
+      return fitted_candidates(data, candidates, in_noise, ratios, threads);
+    };
+    FittedCandidates found = fitted();
     // Families that grew in white noise have taken slow noise for poles; in each round fewer of them are the best.
     constexpr int most_rounds = 3;
     for (int round = 1; round < most_rounds && is_open; ++round) {
       const double r = noise_correlation(data, detail::in_noise(options, 0), found.competitors);
       if (detail::same_correlation(r, in_noise.noise_correlation, static_cast<double>(detail::points(data)))) break;
       in_noise.noise_correlation = r;
-      found = fitted_candidates(data, candidates, in_noise, none, threads);
+      found = fitted();
     }
     IdentificationResult result = ranked(data, std::move(found), {}, in_noise);
     result.noise_correlation = in_noise.noise_correlation;
