@@ -36,20 +36,21 @@ const Part& part_of(bool pair, bool free_order) {
   return parts[(pair ? 2u : 0u) + (free_order ? 1u : 0u)];
 }
 
-/// What a part answers, and the derivatives by its parameters in their order and by the delay; not finite where it
-/// outgrows a double.
+/// What a part answers, and with `sensitivity` the derivatives by its parameters in their order and by the delay; not
+/// finite where it outgrows a double.
 template <class Response>
 Eigen::MatrixXd answer(const Response& response, Index outputs, const Part& part, const std::vector<double>& values,
-                       std::optional<double> delay) {
+                       std::optional<double> delay, Sensitivity sensitivity) {
   const Structure& structure = delay ? part.delayed : part.prompt;
   std::vector<std::size_t> order;
   for (const char letter : part.names) order.push_back(structure.parameter_index(std::string(1, letter)));
   if (delay) order.push_back(structure.parameter_index("L"));
   std::vector<double> parameters(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) parameters[order[i]] = i < values.size() ? values[i] : *delay;
+  if (sensitivity == Sensitivity::none) order.clear();
   Eigen::MatrixXd result = Eigen::MatrixXd::Constant(outputs, 1 + static_cast<Index>(order.size()),
                                                      std::numeric_limits<double>::quiet_NaN());
-  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters);
+  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters, sensitivity);
   EventResponse::Result found;
   if (!ratio || !response.evaluate(*ratio, tolerance, found)) return result;
   result.col(0) = found.value;
@@ -72,10 +73,10 @@ struct Section {
   /// (b + c s^a) over the factor.
   template <class Response>
   [[nodiscard]] Eigen::MatrixXd over(const Response& response, Index outputs, double b, double c,
-                                     std::optional<double> delay) const {
+                                     std::optional<double> delay, Sensitivity sensitivity) const {
     std::vector<double> values = pair ? std::vector{b, c, first, second} : std::vector{b, first};
     if (free_order) values.push_back(order);
-    return answer(response, outputs, part_of(pair, free_order), values, delay);
+    return answer(response, outputs, part_of(pair, free_order), values, delay, sensitivity);
   }
 
   bool pair, free_order;
@@ -100,10 +101,10 @@ class Columns {
 };
 
 /// The parts that a shape consists of, each at s and as it is answered: 1, powers of 1/z = s^-a, 1/f of each factor f
-/// of the denominator and z/f of a pair, and what derivatives of such sums consist of besides.
+/// of the denominator and z/f of a pair, and with `sensitivity` what derivatives of such sums consist of besides.
 struct Parts {
   Columns values, answers;
-  bool by_delay;
+  Sensitivity sensitivity;
 
   template <class Value, class Answer>
   void add(const Value& value, const Answer& answered) {
@@ -120,40 +121,42 @@ void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, c
     const std::string exponent = std::to_string(k) + (free_order ? " a" : "");
     const Part part(k == 0 ? "b" : "b/s^(" + exponent + ")", k > 0 && free_order ? "ba" : "b");
     const Eigen::MatrixXd all =
-        answer(response, outputs, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay);
+        answer(response, outputs, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay,
+               parts.sensitivity);
     const Eigen::ArrayXcd value = (-power * shape.order * log_s).exp();
     parts.add(value, all.col(0));
+    if (parts.sensitivity == Sensitivity::none) continue;
     if (k > 0 && free_order) parts.add(-power * log_s * value, all.col(2));
     // What the input passes on at once answers a change of the delay by the slope of the input, which is held.
     const double held = k > 0 ? 1 : 0;
-    if (parts.by_delay) parts.add(-log_s.exp() * value, held * all.rightCols(1));
+    if (delay) parts.add(-log_s.exp() * value, held * all.rightCols(1));
   }
 }
 
 void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const RecordResponse& response, Index outputs,
                  std::optional<double> delay, Parts& parts) {
   const Eigen::ArrayXcd z = section.in_z * (section.order * log_s).exp();
-  const Eigen::MatrixXd all = section.over(response, outputs, 1, 0, delay);
-  if (!section.pair) {
-    const Eigen::ArrayXcd kz = section.first / section.in_z * z, f = (kz + 1.0).inverse(), by_k = -kz * f * f;
-    parts.add(f, all.col(0));
-    parts.add(by_k, section.first * all.col(2));
-    if (section.free_order) parts.add(by_k * log_s, all.col(3));
-    if (parts.by_delay) parts.add(-log_s.exp() * f, all.rightCols(1));
-    return;
-  }
-  const Eigen::ArrayXcd nz = section.second / section.in_z * z, f = (z * z + nz + 1.0).inverse();
-  const Eigen::ArrayXcd by_power = -(2.0 * z * z + nz) * f;  // d ln f / d ln z
+  // Of a pair the derivative by c is z/f.
+  const Sensitivity sensitivity = section.pair ? Sensitivity::all : parts.sensitivity;
+  const Eigen::MatrixXd all = section.over(response, outputs, 1, 0, delay, sensitivity);
+  const Eigen::ArrayXcd linear = (section.pair ? section.second : section.first) / section.in_z * z;
+  const Eigen::ArrayXcd f = section.pair ? Eigen::ArrayXcd((z * z + linear + 1.0).inverse()) : (linear + 1.0).inverse();
   parts.add(f, all.col(0));
-  parts.add(z * f, section.in_z * all.col(2));
-  parts.add(-z * z * f * f, section.first * all.col(3));
-  parts.add(-z * f * f, section.in_z * all.col(4));
-  if (section.free_order) parts.add(by_power * log_s * f, all.col(5));
-  if (parts.by_delay) parts.add(-log_s.exp() * f, all.rightCols(1));
-  if (!section.free_order && !parts.by_delay) return;
-  const Eigen::MatrixXd rising = section.over(response, outputs, 0, section.in_z, delay);
+  if (section.pair) parts.add(z * f, section.in_z * all.col(2));
+  if (parts.sensitivity == Sensitivity::none) return;
+  const Eigen::ArrayXcd by_power = (section.pair ? Eigen::ArrayXcd(2.0 * z * z + linear) : linear) * -f;
+  if (section.pair) {
+    parts.add(-z * z * f * f, section.first * all.col(3));
+    parts.add(-z * f * f, section.in_z * all.col(4));
+  } else {
+    parts.add(by_power * f, section.first * all.col(2));
+  }
+  if (section.free_order) parts.add(by_power * log_s * f, all.col(section.pair ? 5 : 3));
+  if (delay) parts.add(-log_s.exp() * f, all.rightCols(1));
+  if (!section.pair || (!section.free_order && !delay)) return;
+  const Eigen::MatrixXd rising = section.over(response, outputs, 0, section.in_z, delay, sensitivity);
   if (section.free_order) parts.add((1.0 + by_power) * log_s * z * f, rising.col(5));
-  if (parts.by_delay) parts.add(-log_s.exp() * z * f, rising.rightCols(1));
+  if (delay) parts.add(-log_s.exp() * z * f, rising.rightCols(1));
 }
 
 Eigen::MatrixXd real_rows(const Eigen::MatrixXcd& values) {
@@ -211,11 +214,11 @@ RecordAnswers::RecordAnswers(const TimeResponseData& data, bool earlier_input, d
 }
 
 Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                  const Eigen::MatrixXcd& values, bool by_delay) const {
+                                  const Eigen::MatrixXcd& values, Sensitivity sensitivity) const {
   const Eigen::ArrayXcd log_omega = log_s.array() + std::log(centre_);
   const std::optional<double> delay = shape.delayed ? std::optional(shape.delay / centre_) : std::nullopt;
   const auto most = static_cast<Index>(4 * (shape.poles() + 1));
-  Parts parts{Columns(log_s.size(), most), Columns(outputs_, most), by_delay};
+  Parts parts{Columns(log_s.size(), most), Columns(outputs_, most), sensitivity};
   add_integrators(shape, log_omega, response_, outputs_, delay, parts);
   for (const PoleFactor& factor : shape.factors)
     add_section(Section(shape, factor, centre_), log_omega, response_, outputs_, delay, parts);
@@ -227,7 +230,10 @@ Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::Vecto
   Eigen::MatrixXd rows = real_rows(at_s);
   const Eigen::VectorXd length = rows.colwise().norm();
   rows *= length.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd share = PivotedQr(rows, 1e-14).solve(real_rows(values));
+  const Eigen::MatrixXd wanted = real_rows(values), share = PivotedQr(rows, 1e-14).solve(wanted);
+  // Where poles coincide that are no pair, the parts do not span what the shape does.
+  const bool spanned = (rows * share - wanted).norm() <= 1e-7 * wanted.norm();
+  if (!spanned) return Eigen::MatrixXd::Constant(outputs_, values.cols(), std::numeric_limits<double>::quiet_NaN());
   return parts.answers.taken().real() * (length.cwiseInverse().asDiagonal() * share);
 }
 
@@ -243,12 +249,12 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
     result.setConstant(std::numeric_limits<double>::quiet_NaN());
     return result;
   }
-  result.leftCols(values.cols()) = of(shape, log_s, values, false).cast<Complex>();
+  result.leftCols(values.cols()) = of(shape, log_s, values, Sensitivity::none).cast<Complex>();
   if (!step_) return result;
   Index filled = values.cols();
   for (const PoleFactor& factor : shape.factors) {
     const Section section(shape, factor, centre_);
-    const Eigen::MatrixXd all = section.over(*step_, outputs_, 1, 0, {});
+    const Eigen::MatrixXd all = section.over(*step_, outputs_, 1, 0, {}, Sensitivity::all);
     // The answer of 1/f to a step is 1 and a free motion.
     result.col(filled++) = (all.col(0).array() - 1.0).cast<Complex>();
     if (factor.pair) result.col(filled++) = (section.in_z * all.col(2)).cast<Complex>();
@@ -258,14 +264,14 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
 
 Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                             const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const {
-  Eigen::MatrixXd result = of(shape, log_s, values, shape.delayed);
+  Eigen::MatrixXd result = of(shape, log_s, values, Sensitivity::all);
   if (!step_) return result.cast<Complex>();
   Index filled = 0;
   const Eigen::VectorXd amount = coefficients.tail(static_cast<Index>(free_motion_count(shape)));
   for (const PoleFactor& factor : shape.factors) {
     const Section section(shape, factor, centre_);
     const double c = factor.pair ? section.in_z * amount[filled + 1] : 0;
-    const Eigen::MatrixXd all = section.over(*step_, outputs_, amount[filled], c, {});
+    const Eigen::MatrixXd all = section.over(*step_, outputs_, amount[filled], c, {}, Sensitivity::all);
     const Eigen::VectorXd by_log_z =
         factor.pair ? Eigen::VectorXd(c * all.col(2) + 2 * section.first * all.col(3) + section.second * all.col(4))
                     : Eigen::VectorXd(section.first * all.col(2));

@@ -24,7 +24,7 @@ class RecordAnswers {
   /// @param centre_omega   the unit of frequencies, rad/s
   RecordAnswers(const TimeResponseData& data, bool earlier_input, double centre_omega);
 
-  /// The answers of functions whose poles are those of a shape, each at most once, known by their values at s, and
+  /// The answers of functions whose poles are those of a shape, known by their values at s, and
   /// behind them motions that fade by themselves, one for each pole, if the record may start in motion.  Not finite
   /// where an answer outgrows a double or a function passes derivatives of the input on.
   /// @param log_s  over the band; s in units of its middle
@@ -39,9 +39,9 @@ class RecordAnswers {
 
  private:
   /// They are combinations of the parts of the shape; least squares at s tell which.
-  /// @param by_delay  whether derivatives by the delay are among them
+  /// @param sensitivity  whether the functions are derivatives, whose poles are double
   [[nodiscard]] Eigen::MatrixXd of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                   const Eigen::MatrixXcd& values, bool by_delay) const;
+                                   const Eigen::MatrixXcd& values, Sensitivity sensitivity) const;
 
   Eigen::Index outputs_;
   double centre_;
