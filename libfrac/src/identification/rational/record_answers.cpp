@@ -18,7 +18,15 @@ namespace {
 
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
+
 constexpr double tolerance = 1e-10;  // of simulations; residuals of 1e-9 are none
+
+/// What parts of a model are driven by.
+template <class Response>
+struct Drive {
+  const Response& response;
+  Index outputs;
+};
 
 /// A part of a model as a formula; the letters of its parameters stand in the order of their values.
 struct Part {
@@ -39,7 +47,7 @@ const Part& part_of(bool pair, bool free_order) {
 /// What a part answers, and with `sensitivity` the derivatives by its parameters in their order and by the delay; not
 /// finite where it outgrows a double.
 template <class Response>
-Eigen::MatrixXd answer(const Response& response, Index outputs, const Part& part, const std::vector<double>& values,
+Eigen::MatrixXd answer(const Drive<Response>& drive, const Part& part, const std::vector<double>& values,
                        std::optional<double> delay, Sensitivity sensitivity) {
   const Structure& structure = delay ? part.delayed : part.prompt;
   std::vector<std::size_t> order;
@@ -48,11 +56,11 @@ Eigen::MatrixXd answer(const Response& response, Index outputs, const Part& part
   std::vector<double> parameters(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) parameters[order[i]] = i < values.size() ? values[i] : *delay;
   if (sensitivity == Sensitivity::none) order.clear();
-  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(outputs, 1 + static_cast<Index>(order.size()),
+  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(drive.outputs, 1 + static_cast<Index>(order.size()),
                                                      std::numeric_limits<double>::quiet_NaN());
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters, sensitivity);
   EventResponse::Result found;
-  if (!ratio || !response.evaluate(*ratio, tolerance, found)) return result;
+  if (!ratio || !drive.response.evaluate(*ratio, tolerance, found)) return result;
   result.col(0) = found.value;
   for (std::size_t i = 0; i < order.size(); ++i)
     result.col(1 + static_cast<Index>(i)) = found.gradient.col(static_cast<Index>(order[i]));
@@ -72,11 +80,11 @@ struct Section {
 
   /// (b + c s^a) over the factor.
   template <class Response>
-  [[nodiscard]] Eigen::MatrixXd over(const Response& response, Index outputs, double b, double c,
-                                     std::optional<double> delay, Sensitivity sensitivity) const {
+  [[nodiscard]] Eigen::MatrixXd over(const Drive<Response>& drive, double b, double c, std::optional<double> delay,
+                                     Sensitivity sensitivity) const {
     std::vector<double> values = pair ? std::vector{b, c, first, second} : std::vector{b, first};
     if (free_order) values.push_back(order);
-    return answer(response, outputs, part_of(pair, free_order), values, delay, sensitivity);
+    return answer(drive, part_of(pair, free_order), values, delay, sensitivity);
   }
 
   bool pair, free_order;
@@ -113,16 +121,15 @@ struct Parts {
   }
 };
 
-void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, const RecordResponse& response,
-                     Index outputs, std::optional<double> delay, Parts& parts) {
+void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, const Drive<RecordResponse>& drive,
+                     std::optional<double> delay, Parts& parts) {
   const bool free_order = shape.searches_order();
   for (std::size_t k = 0; k <= shape.integrators; ++k) {
     const auto power = static_cast<double>(k);
     const std::string exponent = std::to_string(k) + (free_order ? " a" : "");
     const Part part(k == 0 ? "b" : "b/s^(" + exponent + ")", k > 0 && free_order ? "ba" : "b");
-    const Eigen::MatrixXd all =
-        answer(response, outputs, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay,
-               parts.sensitivity);
+    const Eigen::MatrixXd all = answer(
+        drive, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay, parts.sensitivity);
     const Eigen::ArrayXcd value = (-power * shape.order * log_s).exp();
     parts.add(value, all.col(0));
     if (parts.sensitivity == Sensitivity::none) continue;
@@ -133,12 +140,12 @@ void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, c
   }
 }
 
-void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const RecordResponse& response, Index outputs,
+void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const Drive<RecordResponse>& drive,
                  std::optional<double> delay, Parts& parts) {
   const Eigen::ArrayXcd z = section.in_z * (section.order * log_s).exp();
   // Of a pair the derivative by c is z/f.
   const Sensitivity sensitivity = section.pair ? Sensitivity::all : parts.sensitivity;
-  const Eigen::MatrixXd all = section.over(response, outputs, 1, 0, delay, sensitivity);
+  const Eigen::MatrixXd all = section.over(drive, 1, 0, delay, sensitivity);
   const Eigen::ArrayXcd linear = (section.pair ? section.second : section.first) / section.in_z * z;
   const Eigen::ArrayXcd f = section.pair ? Eigen::ArrayXcd((z * z + linear + 1.0).inverse()) : (linear + 1.0).inverse();
   parts.add(f, all.col(0));
@@ -154,7 +161,7 @@ void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const Rec
   if (section.free_order) parts.add(by_power * log_s * f, all.col(section.pair ? 5 : 3));
   if (delay) parts.add(-log_s.exp() * f, all.rightCols(1));
   if (!section.pair || (!section.free_order && !delay)) return;
-  const Eigen::MatrixXd rising = section.over(response, outputs, 0, section.in_z, delay, sensitivity);
+  const Eigen::MatrixXd rising = section.over(drive, 0, section.in_z, delay, sensitivity);
   if (section.free_order) parts.add((1.0 + by_power) * log_s * z * f, rising.col(5));
   if (delay) parts.add(-log_s.exp() * z * f, rising.rightCols(1));
 }
@@ -219,9 +226,10 @@ Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::Vecto
   const std::optional<double> delay = shape.delayed ? std::optional(shape.delay / centre_) : std::nullopt;
   const auto most = static_cast<Index>(4 * (shape.poles() + 1));
   Parts parts{Columns(log_s.size(), most), Columns(outputs_, most), sensitivity};
-  add_integrators(shape, log_omega, response_, outputs_, delay, parts);
+  const Drive<RecordResponse> drive{response_, outputs_};
+  add_integrators(shape, log_omega, drive, delay, parts);
   for (const PoleFactor& factor : shape.factors)
-    add_section(Section(shape, factor, centre_), log_omega, response_, outputs_, delay, parts);
+    add_section(Section(shape, factor, centre_), log_omega, drive, delay, parts);
   Eigen::MatrixXcd at_s = parts.values.taken();
   if (shape.delayed) {
     const Eigen::VectorXcd turn = (-*delay * log_omega.exp()).exp().matrix();
@@ -251,10 +259,11 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
   }
   result.leftCols(values.cols()) = of(shape, log_s, values, Sensitivity::none).cast<Complex>();
   if (!step_) return result;
+  const Drive<EventResponse> step{*step_, outputs_};
   Index filled = values.cols();
   for (const PoleFactor& factor : shape.factors) {
     const Section section(shape, factor, centre_);
-    const Eigen::MatrixXd all = section.over(*step_, outputs_, 1, 0, {}, Sensitivity::all);
+    const Eigen::MatrixXd all = section.over(step, 1, 0, {}, Sensitivity::all);
     // The answer of 1/f to a step is 1 and a free motion.
     result.col(filled++) = (all.col(0).array() - 1.0).cast<Complex>();
     if (factor.pair) result.col(filled++) = (section.in_z * all.col(2)).cast<Complex>();
@@ -266,12 +275,13 @@ Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Ei
                                             const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const {
   Eigen::MatrixXd result = of(shape, log_s, values, Sensitivity::all);
   if (!step_) return result.cast<Complex>();
+  const Drive<EventResponse> step{*step_, outputs_};
   Index filled = 0;
   const Eigen::VectorXd amount = coefficients.tail(static_cast<Index>(free_motion_count(shape)));
   for (const PoleFactor& factor : shape.factors) {
     const Section section(shape, factor, centre_);
     const double c = factor.pair ? section.in_z * amount[filled + 1] : 0;
-    const Eigen::MatrixXd all = section.over(*step_, outputs_, amount[filled], c, {}, Sensitivity::all);
+    const Eigen::MatrixXd all = section.over(step, amount[filled], c, {}, Sensitivity::all);
     const Eigen::VectorXd by_log_z =
         factor.pair ? Eigen::VectorXd(c * all.col(2) + 2 * section.first * all.col(3) + section.second * all.col(4))
                     : Eigen::VectorXd(section.first * all.col(2));
