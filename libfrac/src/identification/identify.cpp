@@ -135,7 +135,8 @@ void take(const detail::FamilyMembers& members, Outcome& outcome) {
   outcome.passive = members.passive;
 }
 
-/// @param ratios  shared by all families
+/// @param options  in which families grow
+/// @param ratios   shared by all families
 template <class Data, class Options>
 void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
   const detail::FamilyMembers members = detail::best_member(data, outcome.model, options, ratios);
@@ -174,9 +175,10 @@ bool has_dead_time(const NamedModel& model) {
 }
 
 /// The fit of a candidate.
+/// @param growing  options in which families grow
 template <class Data, class Options>
-void fit_candidate(const Data& data, const Options& options, double hopeless, detail::RatioGrowths& ratios,
-                   Outcome& outcome) {
+void fit_candidate(const Data& data, const Options& options, const Options& growing, double hopeless,
+                   detail::RatioGrowths& ratios, Outcome& outcome) {
   try {
     if constexpr (detail::is_response<Data>) {
       if (options.assumptions.dead_time == false && has_dead_time(outcome.model)) {
@@ -185,7 +187,7 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, de
         return;
       }
     }
-    if (outcome.model.is_family()) resolve(data, options, ratios, outcome);
+    if (outcome.model.is_family()) resolve(data, growing, ratios, outcome);
     fit_formula(data, options, hopeless, outcome);
     if (outcome.set_aside) fit_formula(data, options, hopeless, *outcome.set_aside);
   } catch (const std::invalid_argument& error) {
@@ -258,10 +260,11 @@ struct FittedCandidates {
   std::vector<std::string> skipped_rivals;  // names of those of integer order
 };
 
-/// @param ratios  see resolve()
+/// @param growing  see fit_candidate()
+/// @param ratios   see resolve()
 template <class Data, class Options>
 FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedModel>& models, const Options& options,
-                                   detail::RatioGrowths& ratios, int threads) {
+                                   const Options& growing, detail::RatioGrowths& ratios, int threads) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(models.size());
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
@@ -270,14 +273,15 @@ FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedMode
                                                   [](const Outcome& outcome) { return outcome.model.is_family(); });
   const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());
   double hopeless = std::numeric_limits<double>::infinity();
-  parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[i]); });
+  parallel_for(families, threads,
+               [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
     for (const Outcome* each = &outcomes[i]; each; each = each->set_aside.get()) {
       if (each->fit) hopeless = std::min(hopeless, by_far(each->fit->residuals) * each->fit->cost);
     }
   }
   parallel_for(outcomes.size() - families, threads,
-               [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[families + i]); });
+               [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, outcomes[families + i]); });
   std::vector<Outcome> others;
   for (const Outcome& outcome : outcomes) {
     if (outcome.set_aside) others.push_back(*outcome.set_aside);
@@ -422,7 +426,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
   IdentificationResult result =
-      ranked(data, fitted_candidates(data, models, told_floor, *ratios, threads), residuals, told_floor);
+      ranked(data, fitted_candidates(data, models, told_floor, told_floor, *ratios, threads), residuals, told_floor);
   result.noise_floor = told_floor.noise_floor.value_or(0);
   for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
   return result;
@@ -434,12 +438,15 @@ IdentificationResult identify(const TimeResponseData& data, const std::vector<Na
   TimeFitOptions in_noise = detail::in_noise(options, options.noise_correlation);
   const bool is_open = options.noise != RecordNoise::white && options.noise_correlation == 0;
   const auto judged = [&](const std::vector<NamedModel>& candidates) {
+    // In each round the candidates are nearer to what they are in this noise.  As long as nobody knows it, families
+    // grow where it is the most likely beside each member, or else slow noise would be taken for poles.
     const auto fitted = [&] {
-      detail::RatioGrowths ratios;  // in this noise
-      return fitted_candidates(data, candidates, in_noise, ratios, threads);
+      TimeFitOptions growing = in_noise;
+      if (is_open && in_noise.noise_correlation == 0) growing.noise = RecordNoise::coloured;
+      detail::RatioGrowths ratios;
+      return fitted_candidates(data, candidates, in_noise, growing, ratios, threads);
     };
     FittedCandidates found = fitted();
-    // Families that grew in white noise have taken slow noise for poles; in each round fewer of them are the best.
     constexpr int most_rounds = 3;
     for (int round = 1; round < most_rounds && is_open; ++round) {
       const double r = noise_correlation(data, detail::in_noise(options, 0), found.competitors);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frac/cancellation.hpp"
+#include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
 
 namespace frac::detail {
@@ -235,6 +236,12 @@ Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen:
 
 double NormalEquations::gain(const Eigen::VectorXd& step) const {
   return -step.dot(2 * gradient + matrix * step);
+}
+
+double ProjectedData::likely_cost(const Eigen::VectorXd& residual, double cost) const {
+  if (!record_ || !record_->coloured || cost <= rounding_cost()) return cost;
+  const auto count = static_cast<std::size_t>(residual.size());
+  return std::exp(-2 * first_order_likelihood({residual.data(), count}).logarithm / static_cast<double>(count));
 }
 
 std::vector<double> ProjectedData::sizes(const Linear& linear) const {

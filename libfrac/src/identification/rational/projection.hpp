@@ -51,6 +51,7 @@ struct RecordRows {
   FirstOrderWhitening whitening;
   Eigen::MatrixXd background;  // orthonormal, of weighted and whitened offset and drift
   double slow, fast;           // rad/s: the band that the record resolves
+  bool coloured;               // whether the noise may be of first order, with a correlation that nobody told
 
   void put(const Eigen::Ref<const Eigen::VectorXd>& values, Eigen::Ref<Eigen::VectorXd> column) const;
 };
@@ -85,6 +86,9 @@ class ProjectedData {
   [[nodiscard]] double end_slope() const { return end_slope_; }
   /// The weighted data, as the residuals hold them.
   [[nodiscard]] const Eigen::VectorXd& target() const { return target_; }
+  /// The cost that white noise would have where it is as likely as what a model leaves: `cost`, or less of a record in
+  /// coloured noise.
+  [[nodiscard]] double likely_cost(const Eigen::VectorXd& residual, double cost) const;
   /// Sum of the squared weighted data.
   [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
   /// Costs below it are rounding.

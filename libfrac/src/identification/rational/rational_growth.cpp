@@ -72,7 +72,7 @@ std::optional<RationalShape> with_integrator(const RationalProblem& problem, con
 }  // namespace
 
 double schwarz(const RationalProblem& problem, const RationalFit& fit) {
-  return schwarz(problem, fit.cost, fit.parameters);
+  return schwarz(problem, fit.likely_cost, fit.parameters);
 }
 
 double price_of_search(const RationalProblem& problem, const RationalShape& shape) {

@@ -312,6 +312,7 @@ RationalFit RationalProblem::at(const RationalShape& shape) const {
   if (!projection) return fit;
   fit.cost = projection->cost;
   fit.parameters = parameter_count(fit.shape, projection->orthonormal.cols());
+  fit.likely_cost = likely_cost(projection->residual, projection->cost);
   return fit;
 }
 
@@ -320,7 +321,8 @@ RationalFit RationalProblem::searched(RationalShape shape, const Effort& effort)
   sort_by_size(shape.factors);
   Linear linear;
   if (!gauss_newton(*this, *this, shape, linear, effort)) return {shape, infinity, 0};
-  return {shape, linear.cost, parameter_count(shape, linear.orthonormal.cols())};
+  return {shape, linear.cost, parameter_count(shape, linear.orthonormal.cols()),
+          likely_cost(linear.residual, linear.cost)};
 }
 
 RationalFit RationalProblem::refine(const RationalShape& start, const Effort& effort) const {

@@ -52,6 +52,7 @@ struct RationalFit {
   RationalShape shape;
   double cost = 0;             // sum of squared residuals in the unit of the rule
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
+  double likely_cost = cost;   // ProjectedData::likely_cost()
 };
 
 /// The region where poles in z may lie.

@@ -11,6 +11,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/structure.hpp"
+#include "identification/time_noise.hpp"
 #include "rational_problem.hpp"
 
 namespace frac::detail {
@@ -189,7 +190,8 @@ RecordRows record_rows(const TimeResponseData& data, const TimeFitOptions& optio
                   FirstOrderWhitening(data.observed(), options.noise_correlation),
                   {},
                   1 / length,
-                  std::numbers::pi * static_cast<double>(data.size()) / length};
+                  std::numbers::pi * static_cast<double>(data.size()) / length,
+                  noise_is_open(options)};
   Eigen::MatrixXd background(count, (options.offset ? 0 : 1) + (options.trend ? 1 : 0));
   for (Index i = 0; i < count; ++i) {
     const std::size_t point = data.observed()[static_cast<std::size_t>(i)];
