@@ -261,7 +261,7 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
     });
     result.col(column++) = change.matrix();
   }
-  return record_ ? record_->derivatives(shape, log_s(), result, linear.coefficients) : result;
+  return record_ ? record_->derivatives(shape, log_s(), model.matrix(), result, linear.coefficients) : result;
 }
 
 StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {

@@ -20,6 +20,7 @@ namespace {
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double tolerance = 1e-10;  // of simulations; residuals of 1e-9 are none
 
 /// What parts of a model are driven by.
@@ -57,8 +58,7 @@ Eigen::MatrixXd answer(const Drive<Response>& drive, const Part& part, const std
   std::vector<double> parameters(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) parameters[order[i]] = i < values.size() ? values[i] : *delay;
   if (sensitivity == Sensitivity::none) order.clear();
-  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(drive.outputs, 1 + static_cast<Index>(order.size()),
-                                                     std::numeric_limits<double>::quiet_NaN());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Constant(drive.outputs, 1 + static_cast<Index>(order.size()), nan);
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters, sensitivity);
   EventResponse::Result found;
   if (!ratio || !drive.response.evaluate(*ratio, tolerance, found)) return result;
@@ -68,7 +68,19 @@ Eigen::MatrixXd answer(const Drive<Response>& drive, const Part& part, const std
   return result;
 }
 
-/// A factor of the denominator of a shape in rad/s.
+Eigen::MatrixXd real_rows(const Eigen::MatrixXcd& values) {
+  Eigen::MatrixXd rows(2 * values.rows(), values.cols());
+  rows << values.real(), values.imag();
+  return rows;
+}
+
+/// The answer of (b + c z)/f for a factor f, of its parts, and its derivatives by what acts nonlinearly.
+struct Change {
+  Eigen::VectorXd over_f, z_over_f;
+  Eigen::VectorXd by_size, by_damping, by_order, by_delay;
+};
+
+/// A factor of the denominator of a shape, in rad/s.
 struct Section {
   Section(const RationalShape& shape, const PoleFactor& factor, double centre)
       : pair(factor.pair),
@@ -77,100 +89,137 @@ struct Section {
         log_size(factor.log_size + std::log(centre)),
         in_z(std::exp(-order * log_size)),
         first(pair ? in_z * in_z : factor.sign * in_z),
-        second(2 * std::sinh(factor.damping) * in_z) {}
+        second(2 * std::sinh(factor.damping) * in_z),
+        by_damping(2 * std::cosh(factor.damping) * in_z) {}
 
-  /// (b + c s^a) over the factor.
+  /// (b + c z)/f, z = (s/size)^order.
   template <class Response>
-  [[nodiscard]] Eigen::MatrixXd over(const Drive<Response>& drive, double b, double c, std::optional<double> delay,
-                                     Sensitivity sensitivity) const {
-    std::vector<double> values = pair ? std::vector{b, c, first, second} : std::vector{b, first};
+  [[nodiscard]] Eigen::MatrixXd answered(const Drive<Response>& drive, double b, double c, std::optional<double> delay,
+                                         Sensitivity sensitivity) const {
+    std::vector<double> values = pair ? std::vector{b, c * in_z, first, second} : std::vector{b, first};
     if (free_order) values.push_back(order);
     return answer(drive, part_of(pair, free_order), values, delay, sensitivity);
+  }
+  /// 1/f, and z/f of a pair.
+  template <class Response>
+  [[nodiscard]] Eigen::MatrixXd parts(const Drive<Response>& drive, std::optional<double> delay) const {
+    if (!pair) return answered(drive, 1, 0, delay, Sensitivity::none);
+    const Eigen::MatrixXd all = answered(drive, 1, 0, delay, Sensitivity::all);
+    Eigen::MatrixXd result(all.rows(), 2);
+    result << all.col(0), in_z * all.col(2);
+    return result;
+  }
+  template <class Response>
+  [[nodiscard]] Change change(const Drive<Response>& drive, double b, double c, std::optional<double> delay) const {
+    const Eigen::MatrixXd all = answered(drive, b, c, delay, Sensitivity::all);
+    Change result{all.col(1), {}, {}, {}, {}, {}};
+    Eigen::VectorXd by_log_z = first * all.col(2);
+    if (pair) {
+      result.z_over_f = in_z * all.col(2);
+      by_log_z = c * result.z_over_f + 2 * first * all.col(3) + second * all.col(4);
+      result.by_damping = by_damping * all.col(4);
+    }
+    result.by_size = -order * by_log_z;
+    if (free_order) result.by_order = all.col(pair ? 5 : 3) - log_size * by_log_z;
+    if (delay) result.by_delay = all.rightCols(1);
+    return result;
   }
 
   bool pair, free_order;
   double order, log_size;
   double in_z;           // (1/size)^order
   double first, second;  // k, or m and n
+  double by_damping;     // of n
 };
 
-/// Columns side by side.
-class Columns {
+/// The parts that a ratio consists of: 1, powers of s^-order, 1/f of each factor f of the denominator and z/f of a
+/// pair. Any numerator gives one combination of them, which least squares at s tell to rounding.
+class Parts {
  public:
-  Columns(Index rows, Index count) : columns_(rows, count) {}
-  template <class Column>
-  void add(const Column& column) {
-    columns_.col(filled_++) = column;
+  /// @param log_s  s in rad/s
+  Parts(const RationalShape& shape, const Eigen::ArrayXcd& log_s, double centre)
+      : shape_(shape), log_s_(log_s), turn_(Eigen::VectorXcd::Ones(log_s.size())) {
+    for (const PoleFactor& factor : shape.factors) sections_.emplace_back(shape, factor, centre);
+    values_.resize(log_s.size(), static_cast<Index>(shape.poles()) + 1);
+    Index filled = 0;
+    for (std::size_t k = 0; k <= shape.integrators; ++k)
+      values_.col(filled++) = (-static_cast<double>(k) * shape.order * log_s).exp().matrix();
+    for (const Section& section : sections_) {
+      z_.push_back(section.in_z * (shape.order * log_s).exp());
+      linear_.push_back((section.pair ? section.second : section.first) / section.in_z * z_.back());
+      const Eigen::ArrayXcd f = linear_.back() + 1.0;
+      inverse_.push_back(section.pair ? Eigen::ArrayXcd((f + z_.back().square()).inverse()) : f.inverse());
+      values_.col(filled++) = inverse_.back().matrix();
+      if (section.pair) values_.col(filled++) = (z_.back() * inverse_.back()).matrix();
+    }
+    if (shape.delayed) {
+      delay_ = shape.delay / centre;
+      turn_ = (-*delay_ * log_s.exp()).exp().matrix();
+      values_ = turn_.asDiagonal() * values_;
+    }
+    rows_ = real_rows(values_);
+    length_ = rows_.colwise().norm();
+    rows_ *= length_.cwiseInverse().asDiagonal();
+    factors_.emplace(rows_, 1e-14);
   }
-  [[nodiscard]] Eigen::MatrixXcd taken() { return columns_.leftCols(filled_); }
+
+  [[nodiscard]] const std::vector<Section>& sections() const { return sections_; }
+  [[nodiscard]] std::optional<double> delay() const { return delay_; }
+
+  /// The combinations that functions with their values at s are.  Not finite where the parts do not span one: poles
+  /// coincide that are no pair.
+  /// @param size  beside which rounding is none
+  [[nodiscard]] Eigen::MatrixXd shares(const Eigen::MatrixXcd& functions, double size) const {
+    const Eigen::MatrixXd wanted = real_rows(functions), share = factors_->solve(wanted);
+    const bool spanned = (rows_ * share - wanted).norm() <= 1e-7 * size;
+    if (!spanned) return Eigen::MatrixXd::Constant(share.rows(), share.cols(), nan);
+    return length_.cwiseInverse().asDiagonal() * share;
+  }
+
+  /// Derivatives of a combination at s by sizes, dampings, dead time and order; nothing by the dead time.
+  [[nodiscard]] Eigen::MatrixXcd changes(const Eigen::VectorXd& share) const {
+    Eigen::MatrixXcd result = Eigen::MatrixXcd::Zero(log_s_.size(), static_cast<Index>(shape_.nonlinear()));
+    Eigen::ArrayXcd by_order = Eigen::ArrayXcd::Zero(log_s_.size());
+    for (std::size_t k = 1; k <= shape_.integrators; ++k) {
+      const auto power = static_cast<double>(k);
+      by_order -= share[static_cast<Index>(k)] * power * log_s_ * (-power * shape_.order * log_s_).exp();
+    }
+    Index filled = 0, at = static_cast<Index>(shape_.integrators) + 1;
+    for (std::size_t i = 0; i < sections_.size(); ++i) {
+      const Section& section = sections_[i];
+      const Eigen::ArrayXcd &z = z_[i], &inverse = inverse_[i];
+      const double b = share[at++], c = section.pair ? share[at++] : 0;
+      const Eigen::ArrayXcd sum = (b + c * z) * inverse.square();
+      const Eigen::ArrayXcd by_log_z =
+          section.pair ? Eigen::ArrayXcd(c * z * inverse - sum * (2 * z.square() + linear_[i])) : -sum * linear_[i];
+      result.col(filled++) = (-section.order * by_log_z).matrix();
+      if (section.pair) result.col(filled++) = (-section.by_damping / section.in_z * sum * z).matrix();
+      by_order += by_log_z * (log_s_ - section.log_size);
+    }
+    if (shape_.searches_order()) result.rightCols(1) = by_order.matrix();
+    return turn_.asDiagonal() * result;
+  }
 
  private:
-  Eigen::MatrixXcd columns_;
-  Index filled_ = 0;
+  const RationalShape& shape_;
+  Eigen::ArrayXcd log_s_;
+  Eigen::VectorXcd turn_;  // by the dead time
+  std::optional<double> delay_;
+  std::vector<Section> sections_;
+  std::vector<Eigen::ArrayXcd> z_, linear_, inverse_;  // (s/size)^order, what a factor has beside 1 and z^2, 1/f
+  Eigen::MatrixXcd values_;
+  Eigen::MatrixXd rows_;
+  Eigen::VectorXd length_;
+  std::optional<PivotedQr> factors_;
 };
 
-/// The parts that a shape consists of, each at s and as it is answered: 1, powers of 1/z = s^-a, 1/f of each factor f
-/// of the denominator and z/f of a pair, and with `sensitivity` what derivatives of such sums consist of besides.
-struct Parts {
-  Columns values, answers;
-  Sensitivity sensitivity;
-
-  template <class Value, class Answer>
-  void add(const Value& value, const Answer& answered) {
-    values.add(value.matrix());
-    answers.add(answered.template cast<Complex>());
-  }
-};
-
-void add_integrators(const RationalShape& shape, const Eigen::ArrayXcd& log_s, const Drive<RecordResponse>& drive,
-                     std::optional<double> delay, Parts& parts) {
-  const bool free_order = shape.searches_order();
-  for (std::size_t k = 0; k <= shape.integrators; ++k) {
-    const auto power = static_cast<double>(k);
-    const std::string exponent = std::to_string(k) + (free_order ? " a" : "");
-    const Part part(k == 0 ? "b" : "b/s^(" + exponent + ")", k > 0 && free_order ? "ba" : "b");
-    const Eigen::MatrixXd all = answer(
-        drive, part, k > 0 && free_order ? std::vector{1.0, shape.order} : std::vector{1.0}, delay, parts.sensitivity);
-    const Eigen::ArrayXcd value = (-power * shape.order * log_s).exp();
-    parts.add(value, all.col(0));
-    if (parts.sensitivity == Sensitivity::none) continue;
-    if (k > 0 && free_order) parts.add(-power * log_s * value, all.col(2));
-    // What the input passes on at once answers a change of the delay by the slope of the input, which is held.
-    const double held = k > 0 ? 1 : 0;
-    if (delay) parts.add(-log_s.exp() * value, held * all.rightCols(1));
-  }
-}
-
-void add_section(const Section& section, const Eigen::ArrayXcd& log_s, const Drive<RecordResponse>& drive,
-                 std::optional<double> delay, Parts& parts) {
-  const Eigen::ArrayXcd z = section.in_z * (section.order * log_s).exp();
-  // Of a pair the derivative by c is z/f.
-  const Sensitivity sensitivity = section.pair ? Sensitivity::all : parts.sensitivity;
-  const Eigen::MatrixXd all = section.over(drive, 1, 0, delay, sensitivity);
-  const Eigen::ArrayXcd linear = (section.pair ? section.second : section.first) / section.in_z * z;
-  const Eigen::ArrayXcd f = section.pair ? Eigen::ArrayXcd((z * z + linear + 1.0).inverse()) : (linear + 1.0).inverse();
-  parts.add(f, all.col(0));
-  if (section.pair) parts.add(z * f, section.in_z * all.col(2));
-  if (parts.sensitivity == Sensitivity::none) return;
-  const Eigen::ArrayXcd by_power = (section.pair ? Eigen::ArrayXcd(2.0 * z * z + linear) : linear) * -f;
-  if (section.pair) {
-    parts.add(-z * z * f * f, section.first * all.col(3));
-    parts.add(-z * f * f, section.in_z * all.col(4));
-  } else {
-    parts.add(by_power * f, section.first * all.col(2));
-  }
-  if (section.free_order) parts.add(by_power * log_s * f, all.col(section.pair ? 5 : 3));
-  if (delay) parts.add(-log_s.exp() * f, all.rightCols(1));
-  if (!section.pair || (!section.free_order && !delay)) return;
-  const Eigen::MatrixXd rising = section.over(drive, 0, section.in_z, delay, sensitivity);
-  if (section.free_order) parts.add((1.0 + by_power) * log_s * z * f, rising.col(5));
-  if (delay) parts.add(-log_s.exp() * z * f, rising.rightCols(1));
-}
-
-Eigen::MatrixXd real_rows(const Eigen::MatrixXcd& values) {
-  Eigen::MatrixXd rows(2 * values.rows(), values.cols());
-  rows << values.real(), values.imag();
-  return rows;
+/// b/z^k = b s^(-k order), k from 0 on.
+Eigen::MatrixXd integrated(const RationalShape& shape, std::size_t k, double b, const Drive<RecordResponse>& drive,
+                           std::optional<double> delay, Sensitivity sensitivity) {
+  const bool free_order = k > 0 && shape.searches_order();
+  const std::string power = std::to_string(k) + (free_order ? " a" : "");
+  const Part part(k == 0 ? "b" : "b/s^(" + power + ")", free_order ? "ba" : "b");
+  return answer(drive, part, free_order ? std::vector{b, shape.order} : std::vector{b}, delay, sensitivity);
 }
 
 std::vector<double> observed_times(const TimeResponseData& data) {
@@ -222,31 +271,6 @@ RecordAnswers::RecordAnswers(const TimeResponseData& data, bool earlier_input, d
                 observed_times(data));
 }
 
-Eigen::MatrixXd RecordAnswers::of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                  const Eigen::MatrixXcd& values, Sensitivity sensitivity) const {
-  const Eigen::ArrayXcd log_omega = log_s.array() + std::log(centre_);
-  const std::optional<double> delay = shape.delayed ? std::optional(shape.delay / centre_) : std::nullopt;
-  const auto most = static_cast<Index>(4 * (shape.poles() + 1));
-  Parts parts{Columns(log_s.size(), most), Columns(outputs_, most), sensitivity};
-  const Drive<RecordResponse> drive{response_, outputs_};
-  add_integrators(shape, log_omega, drive, delay, parts);
-  for (const PoleFactor& factor : shape.factors)
-    add_section(Section(shape, factor, centre_), log_omega, drive, delay, parts);
-  Eigen::MatrixXcd at_s = parts.values.taken();
-  if (shape.delayed) {
-    const Eigen::VectorXcd turn = (-*delay * log_omega.exp()).exp().matrix();
-    at_s = turn.asDiagonal() * at_s;
-  }
-  Eigen::MatrixXd rows = real_rows(at_s);
-  const Eigen::VectorXd length = rows.colwise().norm();
-  rows *= length.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd wanted = real_rows(values), share = PivotedQr(rows, 1e-14).solve(wanted);
-  // Where poles coincide that are no pair, the parts do not span what the shape does.
-  const bool spanned = (rows * share - wanted).norm() <= 1e-7 * wanted.norm();
-  if (!spanned) return Eigen::MatrixXd::Constant(outputs_, values.cols(), std::numeric_limits<double>::quiet_NaN());
-  return parts.answers.taken().real() * (length.cwiseInverse().asDiagonal() * share);
-}
-
 std::size_t RecordAnswers::free_motion_count(const RationalShape& shape) const {
   return step_ ? shape.poles() - shape.integrators : 0;
 }
@@ -256,41 +280,74 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
   const auto faded = static_cast<Index>(free_motion_count(shape));
   Eigen::MatrixXcd result(outputs_, values.cols() + faded);
   if (shape.degree > shape.poles()) {
-    result.setConstant(std::numeric_limits<double>::quiet_NaN());
+    result.setConstant(nan);
     return result;
   }
-  result.leftCols(values.cols()) = of(shape, log_s, values, Sensitivity::none).cast<Complex>();
+  const Drive<RecordResponse> drive{response_, outputs_};
+  const Parts parts(shape, log_s.array() + std::log(centre_), centre_);
+  Eigen::MatrixXd answers(outputs_, static_cast<Index>(shape.poles()) + 1);
+  Index filled = 0;
+  for (std::size_t k = 0; k <= shape.integrators; ++k)
+    answers.col(filled++) = integrated(shape, k, 1, drive, parts.delay(), Sensitivity::none);
+  for (const Section& section : parts.sections()) {
+    const Eigen::MatrixXd of_section = section.parts(drive, parts.delay());
+    answers.middleCols(filled, of_section.cols()) = of_section;
+    filled += of_section.cols();
+  }
+  result.leftCols(values.cols()) = (answers * parts.shares(values, values.norm())).cast<Complex>();
   if (!step_) return result;
   const Drive<EventResponse> step{*step_, outputs_};
-  Index filled = values.cols();
-  for (const PoleFactor& factor : shape.factors) {
-    const Section section(shape, factor, centre_);
-    const Eigen::MatrixXd all = section.over(step, 1, 0, {}, Sensitivity::all);
-    // The answer of 1/f to a step is 1 and a free motion.
-    result.col(filled++) = (all.col(0).array() - 1.0).cast<Complex>();
-    if (factor.pair) result.col(filled++) = (section.in_z * all.col(2)).cast<Complex>();
+  filled = values.cols();
+  for (const Section& section : parts.sections()) {
+    Eigen::MatrixXd of_section = section.parts(step, {});
+    of_section.col(0).array() -= 1;  // the answer of 1/f to a step is 1 and a free motion
+    result.middleCols(filled, of_section.cols()) = of_section.cast<Complex>();
+    filled += of_section.cols();
   }
   return result;
 }
 
 Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                            const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const {
-  Eigen::MatrixXd result = of(shape, log_s, values, Sensitivity::all);
-  if (!step_) return result.cast<Complex>();
-  const Drive<EventResponse> step{*step_, outputs_};
-  Index filled = 0;
-  const Eigen::VectorXd amount = coefficients.tail(static_cast<Index>(free_motion_count(shape)));
-  for (const PoleFactor& factor : shape.factors) {
-    const Section section(shape, factor, centre_);
-    const double c = factor.pair ? section.in_z * amount[filled + 1] : 0;
-    const Eigen::MatrixXd all = section.over(step, amount[filled], c, {}, Sensitivity::all);
-    const Eigen::VectorXd by_log_z =
-        factor.pair ? Eigen::VectorXd(c * all.col(2) + 2 * section.first * all.col(3) + section.second * all.col(4))
-                    : Eigen::VectorXd(section.first * all.col(2));
-    result.col(filled) -= section.order * by_log_z;
-    if (section.free_order) result.rightCols(1) += all.rightCols(1) - section.log_size * by_log_z;
-    if (factor.pair) result.col(filled + 1) += 2 * std::cosh(factor.damping) * section.in_z * all.col(4);
-    filled += factor.pair ? 2 : 1;
+                                            const Eigen::VectorXcd& model, const Eigen::MatrixXcd& values,
+                                            const Eigen::VectorXd& coefficients) const {
+  const Drive<RecordResponse> drive{response_, outputs_};
+  const Parts parts(shape, log_s.array() + std::log(centre_), centre_);
+  const Eigen::VectorXd share = parts.shares(model, model.norm());
+  // With the coefficients of the numerator held, those of the parts move too.
+  const auto by_delay = static_cast<Index>(shape.nonlinear()) - (shape.searches_order() ? 2 : 1);
+  Eigen::MatrixXcd rest = values - parts.changes(share);
+  if (shape.delayed) rest.col(by_delay).setZero();
+  const Eigen::MatrixXd moved = parts.shares(rest, values.norm());
+
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(outputs_, static_cast<Index>(shape.nonlinear()));
+  Index at = 0;
+  for (std::size_t k = 0; k <= shape.integrators; ++k, ++at) {
+    const Eigen::MatrixXd all = integrated(shape, k, share[at], drive, parts.delay(), Sensitivity::all);
+    result += all.col(1) * moved.row(at);
+    if (k == 0)
+      continue;  // what passes at once answers a change of the dead time by the slope of the input: it is held
+    if (shape.searches_order()) result.rightCols(1) += all.col(2);
+    if (parts.delay()) result.col(by_delay) += all.rightCols(1) / centre_;
+  }
+  const std::optional<Drive<EventResponse>> step =
+      step_ ? std::optional(Drive<EventResponse>{*step_, outputs_}) : std::nullopt;
+  Index filled = 0, faded = coefficients.size() - static_cast<Index>(free_motion_count(shape));
+  for (const Section& section : parts.sections()) {
+    const auto add = [&](const Change& change) {
+      result.col(filled) += change.by_size;
+      if (section.pair) result.col(filled + 1) += change.by_damping;
+      if (section.free_order) result.rightCols(1) += change.by_order;
+    };
+    const Change change = section.change(drive, share[at], section.pair ? share[at + 1] : 0, parts.delay());
+    add(change);
+    if (parts.delay()) result.col(by_delay) += change.by_delay / centre_;
+    result += change.over_f * moved.row(at++);
+    if (section.pair) result += change.z_over_f * moved.row(at++);
+    if (step) {
+      add(section.change(*step, coefficients[faded], section.pair ? coefficients[faded + 1] : 0, {}));
+      faded += section.pair ? 2 : 1;
+    }
+    filled += section.pair ? 2 : 1;
   }
   return result.cast<Complex>();
 }

@@ -31,18 +31,15 @@ class RecordAnswers {
   [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape, const Eigen::VectorXcd& log_s,
                                          const Eigen::MatrixXcd& values) const;
   /// The derivatives of an output by what acts nonlinearly in a shape.
-  /// @param values        those of the derivatives of its rational function
+  /// @param model         values of its rational function at s
+  /// @param values        those of the derivatives
   /// @param coefficients  of columns()
   [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                             const Eigen::MatrixXcd& values, const Eigen::VectorXd& coefficients) const;
+                                             const Eigen::VectorXcd& model, const Eigen::MatrixXcd& values,
+                                             const Eigen::VectorXd& coefficients) const;
   [[nodiscard]] std::size_t free_motion_count(const RationalShape& shape) const;
 
  private:
-  /// They are combinations of the parts of the shape; least squares at s tell which.
-  /// @param sensitivity  whether the functions are derivatives, whose poles are double
-  [[nodiscard]] Eigen::MatrixXd of(const RationalShape& shape, const Eigen::VectorXcd& log_s,
-                                   const Eigen::MatrixXcd& values, Sensitivity sensitivity) const;
-
   Eigen::Index outputs_;
   double centre_;
   RecordResponse response_;
