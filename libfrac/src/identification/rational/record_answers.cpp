@@ -111,11 +111,14 @@ struct Section {
   }
   template <class Response>
   [[nodiscard]] Change change(const Drive<Response>& drive, double b, double c, std::optional<double> delay) const {
-    const Eigen::MatrixXd all = answered(drive, b, c, delay, Sensitivity::all);
+    // Of nothing there is no answer, and the derivatives are 0.
+    const bool nothing = b == 0 && c == 0;
+    Eigen::MatrixXd all = answered(drive, nothing ? 1 : b, c, delay, Sensitivity::all);
     Change result{all.col(1), {}, {}, {}, {}, {}};
+    if (pair) result.z_over_f = in_z * all.col(2);
+    if (nothing) all.setZero();
     Eigen::VectorXd by_log_z = first * all.col(2);
     if (pair) {
-      result.z_over_f = in_z * all.col(2);
       by_log_z = c * result.z_over_f + 2 * first * all.col(3) + second * all.col(4);
       result.by_damping = by_damping * all.col(4);
     }
@@ -213,13 +216,13 @@ class Parts {
   std::optional<PivotedQr> factors_;
 };
 
-/// b/z^k = b s^(-k order), k from 0 on.
-Eigen::MatrixXd integrated(const RationalShape& shape, std::size_t k, double b, const Drive<RecordResponse>& drive,
+/// s^(-k order), k from 0 on.
+Eigen::MatrixXd integrated(const RationalShape& shape, std::size_t k, const Drive<RecordResponse>& drive,
                            std::optional<double> delay, Sensitivity sensitivity) {
   const bool free_order = k > 0 && shape.searches_order();
   const std::string power = std::to_string(k) + (free_order ? " a" : "");
   const Part part(k == 0 ? "b" : "b/s^(" + power + ")", free_order ? "ba" : "b");
-  return answer(drive, part, free_order ? std::vector{b, shape.order} : std::vector{b}, delay, sensitivity);
+  return answer(drive, part, free_order ? std::vector{1, shape.order} : std::vector{1.0}, delay, sensitivity);
 }
 
 std::vector<double> observed_times(const TimeResponseData& data) {
@@ -288,7 +291,7 @@ Eigen::MatrixXcd RecordAnswers::columns(const RationalShape& shape, const Eigen:
   Eigen::MatrixXd answers(outputs_, static_cast<Index>(shape.poles()) + 1);
   Index filled = 0;
   for (std::size_t k = 0; k <= shape.integrators; ++k)
-    answers.col(filled++) = integrated(shape, k, 1, drive, parts.delay(), Sensitivity::none);
+    answers.col(filled++) = integrated(shape, k, drive, parts.delay(), Sensitivity::none);
   for (const Section& section : parts.sections()) {
     const Eigen::MatrixXd of_section = section.parts(drive, parts.delay());
     answers.middleCols(filled, of_section.cols()) = of_section;
@@ -322,12 +325,12 @@ Eigen::MatrixXcd RecordAnswers::derivatives(const RationalShape& shape, const Ei
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(outputs_, static_cast<Index>(shape.nonlinear()));
   Index at = 0;
   for (std::size_t k = 0; k <= shape.integrators; ++k, ++at) {
-    const Eigen::MatrixXd all = integrated(shape, k, share[at], drive, parts.delay(), Sensitivity::all);
+    const Eigen::MatrixXd all = integrated(shape, k, drive, parts.delay(), Sensitivity::all);
     result += all.col(1) * moved.row(at);
     if (k == 0)
       continue;  // what passes at once answers a change of the dead time by the slope of the input: it is held
-    if (shape.searches_order()) result.rightCols(1) += all.col(2);
-    if (parts.delay()) result.col(by_delay) += all.rightCols(1) / centre_;
+    if (shape.searches_order()) result.rightCols(1) += share[at] * all.col(2);
+    if (parts.delay()) result.col(by_delay) += share[at] / centre_ * all.rightCols(1);
   }
   const std::optional<Drive<EventResponse>> step =
       step_ ? std::optional(Drive<EventResponse>{*step_, outputs_}) : std::nullopt;
