@@ -2,19 +2,9 @@
 #pragma once
 
 #include "frac/identification/time_fit.hpp"
+#include "identification/data/fit_data.hpp"
 
 namespace frac::detail {
-
-/// Whether the correlation of the noise is to be estimated by a fit.
-[[nodiscard]] inline bool noise_is_open(const TimeFitOptions& options) {
-  return options.noise == RecordNoise::coloured && options.noise_correlation == 0;
-}
-/// The same options in noise of this correlation.
-[[nodiscard]] inline TimeFitOptions in_noise(TimeFitOptions options, double correlation) {
-  options.noise = RecordNoise::white;
-  options.noise_correlation = correlation;
-  return options;
-}
 
 /// Whether two correlations differ by less than half the standard deviation of an estimate from so many values.
 [[nodiscard]] bool same_correlation(double one, double other, double count);

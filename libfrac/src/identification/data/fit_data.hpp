@@ -67,4 +67,15 @@ void hold(std::vector<ParameterConstraint>& constraints, std::string_view parame
 void hold(FitOptions& options, std::string_view parameter, double value);
 void hold(TimeFitOptions& options, std::string_view parameter, double value);
 
+/// Whether the correlation of the noise is to be estimated by a fit.
+[[nodiscard]] inline bool noise_is_open(const TimeFitOptions& options) {
+  return options.noise == RecordNoise::coloured && options.noise_correlation == 0;
+}
+/// The same options in noise of this correlation.
+[[nodiscard]] inline TimeFitOptions in_noise(TimeFitOptions options, double correlation) {
+  options.noise = RecordNoise::white;
+  options.noise_correlation = correlation;
+  return options;
+}
+
 }  // namespace frac::detail

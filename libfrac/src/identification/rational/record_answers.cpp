@@ -11,7 +11,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/structure.hpp"
-#include "identification/time_noise.hpp"
+#include "identification/data/fit_data.hpp"
 #include "rational_problem.hpp"
 
 namespace frac::detail {
