@@ -120,8 +120,8 @@ void add_distortion(double power, double count_of_lines, double degrees_of_noise
   point.degrees = std::min(of_re, of_im);
 }
 
-/// Response of an output between the excited lines: 1/G along straight lines, from which that of a resonance departs by
-/// (distance/frequency)^2/4 of its static value.
+/// Response of an output between the excited lines: 1/G along the polynomial through two lines on each side, which is
+/// exact for a resonance.
 class BetweenLines {
  public:
   /// @param lines  rising
@@ -131,8 +131,15 @@ class BetweenLines {
     const auto above = static_cast<std::size_t>(std::lower_bound(lines_.begin(), lines_.end(), line) - lines_.begin());
     if (above == 0) return values_.front();
     if (above == lines_.size()) return values_.back();
-    const double share = (line - lines_[above - 1]) / (lines_[above] - lines_[above - 1]);
-    return 1.0 / ((1 - share) / values_[above - 1] + share / values_[above]);
+    const std::size_t begin = above < 2 ? 0 : above - 2, end = std::min(above + 2, lines_.size());
+    std::complex<double> inverse = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      double share = 1;
+      for (std::size_t k = begin; k < end; ++k)
+        if (k != i) share *= (line - lines_[k]) / (lines_[i] - lines_[k]);
+      inverse += share / values_[i];
+    }
+    return 1.0 / inverse;
   }
 
  private:
@@ -146,7 +153,7 @@ class BetweenLines {
 ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t output, double periods,
                         const BetweenLines& response) {
   const auto at = static_cast<Eigen::Index>(output) + 1;
-  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}};
+  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}, {}};
   const auto here = response(static_cast<double>(bin) / periods);
   sum.weights(0) = -here;
   sum.weights(at) = 1;
@@ -154,6 +161,7 @@ ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t o
   sum.size = [&response, periods, minus_controller](std::size_t other) {
     return 1 / std::abs(1.0 - minus_controller * response(static_cast<double>(other) / periods));
   };
+  sum.transient = [&response, periods](std::size_t other) { return response(static_cast<double>(other) / periods); };
   return sum;
 }
 
@@ -187,22 +195,29 @@ Estimated periodic_response(const Record& record, double length) {
   for (std::size_t output = 0; output < outputs; ++output) {
     auto& points = estimated.outputs[output];
     const auto at = static_cast<Eigen::Index>(output) + 1;
-    std::vector<double> places;
-    std::vector<std::complex<double>> values;
-    for (const std::size_t k : excited) {
-      places.push_back(static_cast<double>(k));
-      values.push_back(lines[k - 1].value(at) / lines[k - 1].value(0));
-    }
-    const BetweenLines response(places, values);
-    for (const std::size_t k : excited) {
-      ResponsePoint& point = points.emplace_back();
-      LineEstimate line = lines[k - 1];
-      if (line.degrees > 0 && line.covariance(at, at).real() > 0) {
-        const ShapedSum sum = noise_of_loop(line, k * periods, output, static_cast<double>(periods), response);
-        line = reader(k * periods, &sum);
+    std::vector<double> places(excited.begin(), excited.end());
+    std::vector<LineEstimate> here;
+    for (const std::size_t k : excited) here.push_back(lines[k - 1]);
+    // Each round has the response between the lines from the lines of the one before, which at a resonance the
+    // transient may have moved by a quarter; each leaves about as small a part of that.
+    constexpr int rounds = 3;
+    for (int round = 0; round < rounds; ++round) {
+      std::vector<std::complex<double>> values;
+      for (const LineEstimate& line : here) values.push_back(line.value(at) / line.value(0));
+      const BetweenLines response(places, values);
+      for (std::size_t i = 0; i < excited.size(); ++i) {
+        if (!(here[i].degrees > 0 && here[i].covariance(at, at).real() > 0)) continue;
+        const std::size_t bin = excited[i] * periods;
+        const ShapedSum sum = noise_of_loop(here[i], bin, output, static_cast<double>(periods), response);
+        here[i] = reader(bin, &sum);
       }
-      point.omega = static_cast<double>(k * periods) * found.spacing;
-      point.periods = static_cast<double>(k * periods);
+    }
+    for (std::size_t i = 0; i < excited.size(); ++i) {
+      const LineEstimate& line = here[i];
+      ResponsePoint& point = points.emplace_back();
+      const std::size_t bin = excited[i] * periods;
+      point.omega = static_cast<double>(bin) * found.spacing;
+      point.periods = static_cast<double>(bin);
       set_ratio(line, output, point);
       // Below 10 dB the mean of a ratio is no longer its value, and its error no longer normal (Pintelon, Schoukens
       // 2012, chapter 2).
