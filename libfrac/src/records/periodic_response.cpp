@@ -13,8 +13,8 @@ namespace {
 
 /// What a line that the excitation leaves out shows of one output, the answer to its own input taken away.
 struct Detection {
-  std::size_t line;  // of the period
-  double power;      // without that of the noise, mean of its square; may be negative
+  std::size_t line;     // of the period
+  double power, noise;  // of which noise is expected
 };
 
 /// Lines of the period that the drive excites, and how many others it has above its noise.
@@ -79,33 +79,35 @@ ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index 
   return excited;
 }
 
-/// Mean power of the detection lines of a kind that are nearest to a line of the period; NaN of none.
+/// Level of the detection lines of a kind that are nearest to a line of the period, over the input there.
 /// Six lines: twelve degrees of freedom.
-double level_near(const std::vector<Detection>& lines, std::size_t line) {
+DistortionLevel level_near(const std::vector<Detection>& lines, std::size_t line, double input_amplitude) {
   constexpr std::size_t most = 6;
-  if (lines.empty()) return std::numeric_limits<double>::quiet_NaN();
   auto end = std::lower_bound(lines.begin(), lines.end(), line,
                               [](const Detection& each, std::size_t at) { return each.line < at; });
   auto begin = end;
   const auto distance = [line](const Detection& each) {
     return each.line > line ? each.line - line : line - each.line;
   };
-  double sum = 0, count = 0;
-  while (count < static_cast<double>(std::min(most, lines.size()))) {
+  DistortionLevel level;
+  const auto count = static_cast<double>(std::min(most, lines.size()));
+  const double scale = 1 / (2 * count * input_amplitude * input_amplitude);
+  while (level.degrees < 2 * count) {
     const bool below = end == lines.end() || (begin != lines.begin() && distance(*(begin - 1)) <= distance(*end));
-    sum += below ? (--begin)->power : (end++)->power;
-    ++count;
+    const Detection& nearest = below ? *--begin : *end++;
+    level.whole += scale * nearest.power;
+    level.noise += scale * nearest.noise;
+    level.degrees += 2;
   }
-  return std::max(0.0, sum / count);
+  return level;
 }
 
 /// The distortion joins the noise in the deviations of a point: two independent variances, whose sum has the degrees of
 /// freedom of Welch and Satterthwaite.
-void add_distortion(double power, double count_of_lines, double degrees_of_noise, ResponsePoint& point) {
-  const double added = power / 2 / (point.input_amplitude * point.input_amplitude);
-  point.distortion = std::sqrt(added);
-  if (added == 0 || std::isnan(point.sigma)) return;
-  const double degrees_of_added = 2 * count_of_lines;
+void add_distortion(const DistortionLevel& level, double degrees_of_noise, ResponsePoint& point) {
+  set_distortion(level, point);
+  const double added = point.distortion * point.distortion, degrees_of_added = level.degrees;
+  if (!(added > 0) || std::isnan(point.sigma)) return;
   const auto join = [&](double& sigma, double degrees) {
     const double noise = sigma * sigma / student_variance(degrees), whole = noise + added;
     const double joint = whole * whole / (noise * noise / degrees + added * added / degrees_of_added);
@@ -180,6 +182,7 @@ Estimated periodic_response(const Record& record, double length) {
   Estimated estimated;
   estimated.periods = static_cast<double>(periods);
   estimated.outputs.resize(outputs);
+  estimated.even.resize(outputs);
   if (excited.empty()) {
     estimated.remarks.push_back(
         std::string(has_reference ? "no line of the reference" : "no line of the input") +
@@ -251,14 +254,13 @@ Estimated periodic_response(const Record& record, double length) {
       // the line's own input, which a loop may have made large, can be what is left, it is no distortion.
       const std::complex<double> missed = value - 1.0 / ((1 - share) / before + share / after);
       if (9 * std::norm(missed * line.value(0)) > std::max(noise, rest)) continue;
-      (odd_alone && k % 2 == 0 ? even : other).push_back({k, rest - noise});
+      (odd_alone && k % 2 == 0 ? even : other).push_back({k, rest, noise});
     }
     for (std::size_t i = 0; i < excited.size(); ++i) {
       const double amplitude = points[i].input_amplitude;
-      points[i].even_distortion = std::sqrt(level_near(even, excited[i]) / 2) / amplitude;
-      if (!other.empty())
-        add_distortion(level_near(other, excited[i]), static_cast<double>(std::min<std::size_t>(6, other.size())),
-                       2 * lines[excited[i] - 1].degrees, points[i]);
+      estimated.even[output].push_back(level_near(even, excited[i], amplitude));
+      set_even_distortion(estimated.even[output].back(), points[i]);
+      add_distortion(level_near(other, excited[i], amplitude), 2 * lines[excited[i] - 1].degrees, points[i]);
       if (points[i].flag.empty()) continue;
       for (double* each : {&points[i].sigma, &points[i].sigma_re, &points[i].sigma_im, &points[i].noise})
         *each = std::numeric_limits<double>::quiet_NaN();
