@@ -761,7 +761,7 @@ TEST(Contract, StepsOfASineWhereIdentifyAsksForThem) {
     EXPECT_EQ(result.code, code);
     EXPECT_NE(result.error.find(words), std::string::npos) << result.error;
   };
-  refused({"multisine", "--next-measurement", asks, "--total-time", "5"}, 2, "total_time is 5 s");
+  refused({"multisine", "--next-measurement", asks, "--total-time", "5"}, 2, "--total-time is 5 s");
   refused({"multisine", "--next-measurement", asks}, 2, "needs --total-time");
   refused({"multisine", "--band", "1:20", "--sample-time", "0.1"}, 2, "--band 1:20 needs --period");
   refused({"multisine", "--next-measurement", asks, "--total-time", "60", "--format", "c"}, 2, "--format c");

@@ -67,15 +67,21 @@ LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
     return sum ? Eigen::MatrixXcd(fitted.left * sum->weights) : Eigen::MatrixXcd(fitted.left.rightCols(channels - 1));
   };
   Eigen::VectorXcd shape;
-  if (sum && sum->transient) {
-    Eigen::VectorXcd tried(count);
-    for (Eigen::Index i = 0; i < count; ++i) tried(i) = sum->transient(bin_of(i)) / sum->transient(bin);
-    const auto power = [&](const Eigen::VectorXcd& with) { return judged_of(fit(around, {}, with)).squaredNorm(); };
-    constexpr double chance = 0.01;
-    const double freedom = 2 * static_cast<double>(count - terms);
-    if (tried.allFinite() && tried.cwiseAbs().minCoeff() > 0 && power(tried) > 0 &&
-        fisher_f_above(power({}) / power(tried), freedom, freedom) < chance)
-      shape = std::move(tried);
+  Eigen::VectorXd sizes_of_loop;  // inverse ones
+  if (sum) {
+    Eigen::VectorXcd response(count);
+    for (Eigen::Index i = 0; i < count; ++i) response(i) = sum->response(bin_of(i));
+    const std::complex<double> here = sum->response(bin);
+    sizes_of_loop = (1.0 - sum->loop * response.array()).abs() / std::abs(1.0 - sum->loop * here);
+    response /= here;
+    const Eigen::MatrixXcd summed = around * sum->weights;
+    const auto power = [&](const Eigen::VectorXcd& with) { return fit(summed, {}, with).left.squaredNorm(); };
+    if (response.allFinite() && response.cwiseAbs().minCoeff() > 0) {
+      constexpr double chance = 0.01;
+      const double shaped = power(response), even = power({});
+      if (shaped > 0 && shaped < even && fisher_f_above(even / shaped, 2 * degrees, 2 * degrees) < chance)
+        shape = std::move(response);
+    }
   }
   Fitted best;
   const auto try_sizes = [&](const Eigen::VectorXd& inverse_sizes) {
@@ -98,11 +104,7 @@ LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
         inverse_sizes(i) = std::pow(static_cast<double>(bin_of(i)) / at, slope / 2);
       try_sizes(inverse_sizes);
     }
-  if (sum) {
-    Eigen::VectorXd inverse_sizes(count);
-    for (Eigen::Index i = 0; i < count; ++i) inverse_sizes(i) = sum->size(bin) / sum->size(bin_of(i));
-    if (inverse_sizes.allFinite()) try_sizes(inverse_sizes);
-  }
+  if (sum && sizes_of_loop.allFinite()) try_sizes(sizes_of_loop);
   line.value -= best.transient;
   line.degrees = degrees;
   const double spread = (1 + best.leverage) / line.degrees;

@@ -28,13 +28,12 @@ struct LineEstimate {
   [[nodiscard]] Parts parts(const Eigen::VectorXcd& weights) const;
 };
 
-/// A sum of weighted channels, and how what lies between the lines may change from line to line.
+/// A sum of weighted channels, and how what lies between the lines changes from line to line: the transient is a
+/// polynomial times the response of the machine, the noise is divided by 1 - loop * response, as it goes round a loop.
 struct ShapedSum {
   Eigen::VectorXcd weights;
-  /// Of the noise at a bin, up to a factor; not finite: not known, and the shape is not tried.
-  std::function<double(std::size_t)> size;
-  /// Of the transient at a bin, which is a polynomial times this; not finite: not known.
-  std::function<std::complex<double>(std::size_t)> transient;
+  std::function<std::complex<double>(std::size_t)> response;  // at a bin; not finite: not known, and no shape is tried
+  std::complex<double> loop;                                  // response from output to input
 };
 
 /// Reads lines of several spectra of equal length without what leaks into them.

@@ -128,25 +128,27 @@ class BetweenLines {
  public:
   /// @param lines  rising
   BetweenLines(std::vector<double> lines, std::vector<std::complex<double>> values)
-      : lines_(std::move(lines)), values_(std::move(values)) {}
+      : lines_(std::move(lines)), inverses_(std::move(values)) {
+    for (auto& each : inverses_) each = 1.0 / each;
+  }
   [[nodiscard]] std::complex<double> operator()(double line) const {
     const auto above = static_cast<std::size_t>(std::lower_bound(lines_.begin(), lines_.end(), line) - lines_.begin());
-    if (above == 0) return values_.front();
-    if (above == lines_.size()) return values_.back();
+    if (above == 0) return 1.0 / inverses_.front();
+    if (above == lines_.size()) return 1.0 / inverses_.back();
     const std::size_t begin = above < 2 ? 0 : above - 2, end = std::min(above + 2, lines_.size());
     std::complex<double> inverse = 0;
     for (std::size_t i = begin; i < end; ++i) {
       double share = 1;
       for (std::size_t k = begin; k < end; ++k)
         if (k != i) share *= (line - lines_[k]) / (lines_[i] - lines_[k]);
-      inverse += share / values_[i];
+      inverse += share * inverses_[i];
     }
     return 1.0 / inverse;
   }
 
  private:
   std::vector<double> lines_;
-  std::vector<std::complex<double>> values_;
+  std::vector<std::complex<double>> inverses_;
 };
 
 /// Around the machine a loop u = r - C y makes of a disturbance v the errors e_y = v/(1 + G C) of the output and
@@ -155,15 +157,10 @@ class BetweenLines {
 ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t output, double periods,
                         const BetweenLines& response) {
   const auto at = static_cast<Eigen::Index>(output) + 1;
-  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}, {}};
-  const auto here = response(static_cast<double>(bin) / periods);
-  sum.weights(0) = -here;
+  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}, line.covariance(0, at) / line.covariance(at, at)};
+  sum.response = [&response, periods](std::size_t other) { return response(static_cast<double>(other) / periods); };
+  sum.weights(0) = -sum.response(bin);
   sum.weights(at) = 1;
-  const std::complex<double> minus_controller = line.covariance(0, at) / line.covariance(at, at);
-  sum.size = [&response, periods, minus_controller](std::size_t other) {
-    return 1 / std::abs(1.0 - minus_controller * response(static_cast<double>(other) / periods));
-  };
-  sum.transient = [&response, periods](std::size_t other) { return response(static_cast<double>(other) / periods); };
   return sum;
 }
 
@@ -202,17 +199,30 @@ Estimated periodic_response(const Record& record, double length) {
     std::vector<LineEstimate> here;
     for (const std::size_t k : excited) here.push_back(lines[k - 1]);
     // Each round has the response between the lines from the lines of the one before, which at a resonance the
-    // transient may have moved by a quarter; each leaves about as small a part of that.
+    // transient may have moved by a quarter; each leaves about as small a part of that.  What depends on lines that
+    // move by less than a tenth of their deviation stays as it is.
     constexpr int rounds = 3;
+    constexpr double least_move = 0.1;
+    // Two lines beyond those that the window reaches.
+    const std::size_t side = 2 + neighbours_for(periods) / std::max<std::size_t>(periods - 1, 1);
+    std::vector<bool> has_moved(excited.size(), true);
     for (int round = 0; round < rounds; ++round) {
       std::vector<std::complex<double>> values;
       for (const LineEstimate& line : here) values.push_back(line.value(at) / line.value(0));
       const BetweenLines response(places, values);
+      const std::vector<bool> moved_before = has_moved;
       for (std::size_t i = 0; i < excited.size(); ++i) {
-        if (!(here[i].degrees > 0 && here[i].covariance(at, at).real() > 0)) continue;
+        const auto first = moved_before.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, side)),
+                   last = moved_before.begin() + static_cast<std::ptrdiff_t>(std::min(i + side + 1, excited.size()));
+        has_moved[i] =
+            std::find(first, last, true) != last && here[i].degrees > 0 && here[i].covariance(at, at).real() > 0;
+        if (!has_moved[i]) continue;
         const std::size_t bin = excited[i] * periods;
         const ShapedSum sum = noise_of_loop(here[i], bin, output, static_cast<double>(periods), response);
-        here[i] = reader(bin, &sum);
+        LineEstimate line = reader(bin, &sum);
+        has_moved[i] =
+            std::norm(line.value(at) - here[i].value(at)) > least_move * least_move * line.covariance(at, at).real();
+        here[i] = std::move(line);
       }
     }
     for (std::size_t i = 0; i < excited.size(); ++i) {
