@@ -763,7 +763,7 @@ TEST(Contract, StepsOfASineWhereIdentifyAsksForThem) {
   };
   refused({"multisine", "--next-measurement", asks, "--total-time", "5"}, 2, "--total-time is 5 s");
   refused({"multisine", "--next-measurement", asks}, 2, "needs --total-time");
-  refused({"multisine", "--band", "1:20", "--sample-time", "0.1"}, 2, "--band 1:20 needs --period");
+  refused({"multisine", "--band", "1:20", "--sample-time", "0.1"}, 2, "--band needs --period");
   refused({"multisine", "--next-measurement", asks, "--total-time", "60", "--format", "c"}, 2, "--format c");
   const auto decided = folder.write("decided.json", R"({"verdict": "supported", "next_measurement": null})");
   refused({"multisine", "--next-measurement", decided, "--total-time", "60"}, 3, "its verdict is supported");
