@@ -100,4 +100,52 @@ TEST(Multisine, SaysWhatIsOutOfRange) {
   refused([](auto& o) { o.lower = 2 * pi * 4.2, o.upper = 2 * pi * 4.8; }, {"band holds no line"});
 }
 
+// Seconds that a step is measured for.
+double measured(const frac::SteppedSineStep& step) {
+  return static_cast<double>(step.measuring) * 2 * pi / step.omega;
+}
+
+// Steps follow one another, settle for their cycles, and measure as long as each other: less by a part of a cycle of
+// their own.
+TEST(SteppedSinePlan, MeasuresAsLongAtEachFrequency) {
+  const std::vector<double> omega{2, 5, 11, 30, 100};
+  for (const double total : {200.0, 1000.0}) {
+    const auto plan = frac::stepped_sine_plan(omega, total, 8);
+    ASSERT_EQ(plan.size(), omega.size());
+    double settling = 0, at = 0;
+    for (const double each : omega) settling += 8 * 2 * pi / each;
+    const double share = (total - settling) / static_cast<double>(omega.size());
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      EXPECT_EQ(plan[i].omega, omega[i]);
+      EXPECT_EQ(plan[i].settling, 8U);
+      EXPECT_NEAR(plan[i].begin, at, 1e-12 * total);
+      at += 8 * 2 * pi / omega[i] + measured(plan[i]);
+      EXPECT_NEAR(plan[i].end, at, 1e-12 * total);
+      EXPECT_LE(measured(plan[i]), share * (1 + 1e-12));
+      EXPECT_GT(measured(plan[i]), share - 2 * pi / omega[i]);
+    }
+  }
+}
+
+// Six cycles at 0.1 rad/s take 377 s of 500: the others share what they leave.  One second less than six cycles of all
+// take is refused.
+TEST(SteppedSinePlan, MeasuresSixCyclesOrMore) {
+  const auto plan = frac::stepped_sine_plan({0.1, 10, 20}, 500, 0);
+  EXPECT_EQ(plan[0].measuring, 6U);
+  for (const std::size_t i : {1U, 2U})
+    EXPECT_EQ(plan[i].measuring, static_cast<std::size_t>((500 - 6 * 2 * pi / 0.1) / 2 / (2 * pi / plan[i].omega)));
+  EXPECT_LE(plan.back().end, 500);
+  support::expect_invalid_argument(
+      [] {
+        static_cast<void>(frac::stepped_sine_plan({0.1, 10}, 379, 0));
+      },
+      {"total_time is 379 s", "380.7", "2 frequencies"});
+  support::expect_invalid_argument(
+      [] {
+        static_cast<void>(frac::stepped_sine_plan({1, -2}, 100, 0));
+      },
+      {"omega holds -2 rad/s"});
+  support::expect_invalid_argument([] { static_cast<void>(frac::stepped_sine_plan({}, 100, 0)); }, {"omega is empty"});
+}
+
 }  // namespace

@@ -6,16 +6,21 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "frac/identification/identify.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/records/multisine.hpp"
 #include "support/both_parts.hpp"
+#include "support/cramer_rao.hpp"
 #include "support/noisy_response.hpp"
 
 namespace {
+
+using std::numbers::pi;
 
 struct System {
   const char* family;  // that contains it
@@ -215,6 +220,40 @@ TEST(Verdict, TheNextMeasurementDecides) {
     EXPECT_GT(result.next->expected_evidence, 0);
     EXPECT_TRUE(std::any_of(result.notes.begin(), result.notes.end(),
                             [](const std::string& note) { return note.starts_with("To decide, measure"); }));
+  }
+  EXPECT_GE(asked, 1);
+}
+
+// A stepped sine where the next measurement asks for it makes the variance of the order smaller than as many steps of
+// the same time over the band of the data, beside which it is measured with the same noise: by the bound of Cramer and
+// Rao, each step counting once for every 100 s that it is measured for.
+TEST(Verdict, StepsWhereTheNextMeasurementAsksTellTheOrderBest) {
+  const char* formula = "K/(1 + (T s)^a)";
+  const auto spread = [](double lower, double upper, std::size_t points) {
+    std::vector<double> omega;
+    for (std::size_t i = 0; i < points; ++i)
+      omega.push_back(lower * std::pow(upper / lower, static_cast<double>(i) / static_cast<double>(points - 1)));
+    return omega;
+  };
+  int asked = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const auto data = support::noisy_response("1/(1 + s^0.96)", {}, 0.1, seed, 16);
+    const auto result =
+        frac::identify(data, {frac::find_model("fractional-lag"), frac::find_model("lag")}, {}, support::both_parts());
+    if (!result.next) continue;
+    ++asked;
+    const auto variance_with = [&](double lower, double upper) {
+      const auto omega = spread(lower, upper, std::max<std::size_t>(result.next->points, 4));
+      std::vector<double> all = data.omega();
+      for (const auto& step : frac::stepped_sine_plan(omega, 200'000, 10))
+        all.insert(all.end(),
+                   static_cast<std::size_t>(0.01 * static_cast<double>(step.measuring) * 2 * pi / step.omega),
+                   step.omega);
+      return support::cramer_rao(formula, {1, 1, 0.96}, frac::Component::both, 0.1, all)(2, 2);
+    };
+    const double asked_for = variance_with(result.next->lower, result.next->upper),
+                 even = variance_with(data.omega().front(), data.omega().back());
+    EXPECT_LT(asked_for, even);
   }
   EXPECT_GE(asked, 1);
 }

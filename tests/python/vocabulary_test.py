@@ -74,7 +74,7 @@ ELSEWHERE = {
     "validate": {"all-points": "all are judged"},
 }
 # What Python has no word for yet.
-MISSING: dict[str, set[str]] = {}
+MISSING: dict[str, set[str]] = {"multisine": {"next-measurement", "total-time", "settling"}}
 
 
 def options_of(name):

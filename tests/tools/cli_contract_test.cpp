@@ -735,4 +735,38 @@ TEST(CompliantContacts, RefuseWhatDoesNotGoTogether) {
          "contacts with a restitution take no time");
 }
 
+// The band and the points are those of the JSON; of 60 s each of three points settles for two cycles, and has a third
+// of what is left in whole cycles.
+TEST(Contract, StepsOfASineWhereIdentifyAsksForThem) {
+  const TemporaryFolder folder;
+  const auto asks = folder.write(
+      "asks.json",
+      R"({"verdict": "undecided", "next_measurement": {"lower": 10, "upper": 40, "points": 3, "accuracy": 0.01, "relative_accuracy": 0.02, "expected_evidence": 12}})");
+  const auto csv =
+      successful({"multisine", "--next-measurement", asks, "--total-time", "60", "--settling", "2", "--peak", "3"});
+  EXPECT_EQ(entry_of(csv, "relative_accuracy"), "0.02");
+  const auto rows = rows_of(csv);
+  ASSERT_EQ(rows.size(), 3U);
+  double settling = 0;
+  for (const double omega : {10.0, 20.0, 40.0}) settling += 2 * 2 * std::numbers::pi / omega;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double omega = 10 * std::pow(2, i);
+    EXPECT_NEAR(std::stod(rows[i][0]), omega, 1e-12 * omega);
+    EXPECT_EQ(rows[i][1], "3");
+    EXPECT_EQ(rows[i][2], "2");
+    EXPECT_EQ(std::stod(rows[i][3]), std::floor((60 - settling) / 3 * omega / (2 * std::numbers::pi)));
+  }
+  const auto refused = [](const std::vector<std::string>& arguments, int code, const std::string& words) {
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, code);
+    EXPECT_NE(result.error.find(words), std::string::npos) << result.error;
+  };
+  refused({"multisine", "--next-measurement", asks, "--total-time", "5"}, 2, "--total-time is 5 s");
+  refused({"multisine", "--next-measurement", asks}, 2, "needs --total-time");
+  refused({"multisine", "--band", "1:20", "--sample-time", "0.1"}, 2, "--band needs --period");
+  refused({"multisine", "--next-measurement", asks, "--total-time", "60", "--format", "c"}, 2, "--format c");
+  const auto decided = folder.write("decided.json", R"({"verdict": "supported", "next_measurement": null})");
+  refused({"multisine", "--next-measurement", decided, "--total-time", "60"}, 3, "its verdict is supported");
+}
+
 }  // namespace

@@ -102,9 +102,16 @@ Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& ri
   solution.spread = (estimator.row(0) / sizes(0)).squaredNorm();
   return solution;
 }
-Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& right) {
+/// Least squares; or, of an input that answers in a loop, its equations weighed by the terms of the reference in the
+/// place of those of the input (instrumental variables; Pintelon, Schoukens 2012, chapter 9).  The noise knows nothing
+/// of the reference, and what is left is noise that has not gone round the loop, whose peaks may be narrow beside the
+/// window.
+Solution solution_of(const Eigen::MatrixXcd& columns, const Eigen::VectorXcd& right,
+                     const Eigen::MatrixXcd* instruments) {
   const RealColumns real(columns);
-  return solution_of(columns, right, PlainQr(real.columns).dual().transpose(), real.sizes);
+  if (!instruments) return solution_of(columns, right, PlainQr(real.columns).dual().transpose(), real.sizes);
+  const Eigen::MatrixXd weights = RealColumns(*instruments).columns.transpose();
+  return solution_of(columns, right, solve_square(weights * real.columns, weights), real.sizes);
 }
 
 /// The lines of a window, and where they stand: -1 to 1.
@@ -114,58 +121,43 @@ Eigen::VectorXcd window_of(const Spectrum& spectrum, std::size_t middle) {
     lines(i) = spectrum[middle - static_cast<std::size_t>(reach) + static_cast<std::size_t>(i)];
   return lines;
 }
-Eigen::ArrayXcd places() {
-  return Eigen::ArrayXd::LinSpaced(width, -1, 1).cast<std::complex<double>>();
-}
 
-/// A response times a signal, and a transient, as polynomials: columns of their terms, of which the first is the
-/// response in the middle.
-Eigen::MatrixXcd polynomial_columns(const Eigen::VectorXcd& signal) {
-  const Eigen::ArrayXcd x = places();
-  Eigen::MatrixXcd columns(width, 6);
-  columns << signal, (signal.array() * x).matrix(), (signal.array() * x.square()).matrix(),
-      Eigen::VectorXcd::Ones(width), x.matrix(), x.square().matrix();
-  return columns;
-}
-
-Solution local_polynomial(const Eigen::VectorXcd& drive, const Eigen::VectorXcd& output) {
-  return solution_of(polynomial_columns(drive), output);
-}
-
-/// Of an input that answers in a loop: the equations of output and input, weighed by the terms of the reference in the
-/// place of those of the input (instrumental variables; Pintelon, Schoukens 2012, chapter 9).  The noise knows nothing
-/// of the reference, and what is left is noise that has not gone round the loop, whose peaks may be narrow beside the
-/// window.
-Solution by_instrument(const Eigen::VectorXcd& reference, const Eigen::VectorXcd& input,
-                       const Eigen::VectorXcd& output) {
-  const Eigen::MatrixXcd columns = polynomial_columns(input);
-  const RealColumns real(columns);
-  const Eigen::MatrixXd instruments = RealColumns(polynomial_columns(reference)).columns.transpose();
-  return solution_of(columns, output, solve_square(instruments * real.columns, instruments), real.sizes);
-}
-
-/// The same over a common denominator 1 + d1 x + d2 x^2 (McKelvey, Guerin 2012): exact for a resonance that is narrow
-/// beside the window.  Equations are divided by the denominator of the round before (Sanathanan, Koerner 1963).
-Solution local_rational(const Eigen::VectorXcd& drive, const Eigen::VectorXcd& output) {
-  const Eigen::ArrayXcd x = places();
+/// A response times the input and a transient, of order 2, over a common denominator 1 + d1 x + d2 x^2 where that is
+/// asked for (McKelvey, Guerin 2012): exact for a resonance that is narrow beside the window.  Equations are divided by
+/// the denominator of the round before (Sanathanan, Koerner 1963).  In a loop the output too knows the noise: its terms
+/// have those of order 3 and 4 of the reference for instruments.
+Solution local_fit(const Eigen::VectorXcd& input, const Eigen::VectorXcd& output, const Eigen::VectorXcd* reference,
+                   bool has_denominator) {
+  const Eigen::ArrayXcd x = Eigen::ArrayXd::LinSpaced(width, -1, 1).cast<std::complex<double>>();
   Eigen::ArrayXcd denominator = Eigen::ArrayXcd::Ones(width);
+  const auto columns_of = [&](const Eigen::VectorXcd& signal, const Eigen::ArrayXcd& further) {
+    const Eigen::ArrayXcd u = signal.array() / denominator, one = 1 / denominator;
+    Eigen::MatrixXcd columns(width, has_denominator ? 8 : 6);
+    columns.leftCols(6) << u, u * x, u * x.square(), one, one * x, one * x.square();
+    if (has_denominator) columns.rightCols(2) << further / denominator * x, further / denominator * x.square();
+    return columns;
+  };
   Solution solution;
-  for (int round = 0; round < 3; ++round) {
-    const Eigen::ArrayXcd u = drive.array() / denominator, y = output.array() / denominator, one = 1 / denominator;
-    Eigen::MatrixXcd columns(width, 8);
-    columns << u.matrix(), (u * x).matrix(), (u * x.square()).matrix(), one.matrix(), (one * x).matrix(),
-        (one * x.square()).matrix(), (-y * x).matrix(), (-y * x.square()).matrix();
-    solution = solution_of(columns, y.matrix());
-    denominator = 1.0 + solution.terms(6) * x + solution.terms(7) * x.square();
+  for (int round = 0; round < (has_denominator ? 3 : 1); ++round) {
+    const Eigen::VectorXcd right = output.array() / denominator;
+    const Eigen::MatrixXcd columns = columns_of(input, -output.array());
+    if (reference) {
+      const Eigen::MatrixXcd instruments = columns_of(*reference, reference->array() * x.square());
+      solution = solution_of(columns, right, &instruments);
+    } else {
+      solution = solution_of(columns, right, nullptr);
+    }
+    if (has_denominator) denominator = 1.0 + solution.terms(6) * x + solution.terms(7) * x.square();
   }
   return solution;
 }
 
-/// The rational one where its equations are left with so much less that 1 of 1000 windows of noise alone would do so.
-Solution local_response(const Eigen::VectorXcd& drive, const Eigen::VectorXcd& output) {
-  constexpr double chance = 1e-3;
-  Solution polynomial = local_polynomial(drive, output);
-  Solution rational = local_rational(drive, output);
+/// The rational one where its equations are left with so much less that 1 of 100 windows of noise alone would do so.
+Solution local_response(const Eigen::VectorXcd& input, const Eigen::VectorXcd& output,
+                        const Eigen::VectorXcd* reference = nullptr) {
+  constexpr double chance = 0.01;
+  Solution polynomial = local_fit(input, output, reference, false);
+  Solution rational = local_fit(input, output, reference, true);
   const double ratio = polynomial.variance() / rational.variance();
   const bool is_better = std::isfinite(ratio) && std::isfinite(std::abs(rational.terms(0))) &&
                          fisher_f_above(ratio, polynomial.degrees, rational.degrees) < chance;
@@ -211,27 +203,20 @@ Estimated arbitrary_response(const Record& record) {
         point.flag = "the input has no power here";
         continue;
       }
+      const Eigen::VectorXcd of_input = window_of(spectra[0], middle);
+      const Solution found = local_response(of_input, of_output, has_reference ? &of_drive : nullptr);
+      point.value = found.terms(0);
+      point.degrees = found.degrees;
+      const double variance = found.variance();
+      point.sigma = std::sqrt(variance * found.spread);
       std::complex<double> to_input = 1;
-      double variance;
       if (has_reference) {
-        const Eigen::VectorXcd of_input = window_of(spectra[0], middle);
-        const Solution from_reference = local_polynomial(of_drive, of_input);
-        const Solution found = by_instrument(of_drive, of_input, of_output);
+        const Solution from_reference = local_response(of_drive, of_input);
         to_input = from_reference.terms(0);
-        point.value = found.terms(0);
-        point.degrees = found.degrees;
-        variance = found.variance();
-        point.sigma = std::sqrt(variance * found.spread);
         // As for periodic records: 10 dB above its error, each part of which has this variance.
         if (!std::isfinite(std::abs(point.value)) ||
             !(std::norm(to_input) >= 10 * 2 * from_reference.variance() * from_reference.spread))
           point.flag = "the reference does not drive the input here";
-      } else {
-        const Solution found = local_response(of_drive, of_output);
-        point.value = found.terms(0);
-        point.degrees = found.degrees;
-        variance = found.variance();
-        point.sigma = std::sqrt(variance * found.spread);
       }
       // Of the input within the window, as the amplitude of a sine of its power.
       point.input_amplitude = of_drive.norm() * std::abs(to_input);

@@ -10,9 +10,21 @@
 
 namespace frac::detail {
 
+/// Variance of each part of a response that several lines or realisations show, and what of it is noise.
+struct DistortionLevel {
+  double whole = 0, noise = 0;
+  double degrees = 0;  // of freedom of `whole`; 0: nothing tells it
+
+  void add(const DistortionLevel& other, double share);
+  /// The deviation without the noise, and the ends of its 95 % interval: `whole` over its expectation is chi-square
+  /// over its degrees of freedom, and the noise has so many more of them that it counts as known.
+  void set(double& value, double& low, double& high) const;
+};
+
 /// Points by output, and what is to be said of them.
 struct Estimated {
   std::vector<std::vector<ResponsePoint>> outputs;
+  std::vector<std::vector<DistortionLevel>> even;  // of each point, where lines tell it
   std::vector<std::string> remarks;
   double periods = 0;
   /// Nothing tells the distortion.
@@ -48,6 +60,12 @@ inline constexpr const char* folds_back =
 
 /// Sets value, amplitude and the deviations of an output from the lines of all channels, of which 0 is the input.
 void set_ratio(const LineEstimate& line, std::size_t output, ResponsePoint& point);
+inline void set_distortion(const DistortionLevel& level, ResponsePoint& point) {
+  level.set(point.distortion, point.distortion_low, point.distortion_high);
+}
+inline void set_even_distortion(const DistortionLevel& level, ResponsePoint& point) {
+  level.set(point.even_distortion, point.even_distortion_low, point.even_distortion_high);
+}
 /// Variance of Student's distribution over that of the normal one: from 2 degrees down there is none.
 [[nodiscard]] double student_variance(double degrees);
 

@@ -25,9 +25,8 @@ double mean_of(const std::vector<double>& signal) {
   return std::accumulate(signal.begin(), signal.end(), 0.0) / static_cast<double>(signal.size());
 }
 
-/// Correlation of a signal without its mean at lags up to half of its length, over that at lag 0; each as a mean over
-/// the pairs of samples it has.
-std::vector<double> correlation_of(const std::vector<double>& signal) {
+/// Sums of the products of a signal without its mean and itself so many samples later, by lag.
+std::vector<std::complex<double>> lagged_products(const std::vector<double>& signal) {
   const std::size_t count = signal.size();
   const double mean = mean_of(signal);
   std::vector<std::complex<double>> time(detail::fast_length(2 * count)), spectrum;
@@ -36,10 +35,18 @@ std::vector<double> correlation_of(const std::vector<double>& signal) {
   fft.fwd(spectrum, time);
   for (auto& each : spectrum) each = std::norm(each);
   fft.inv(time, spectrum);
+  return time;
+}
+
+/// Correlation of a signal without its mean at lags up to half of its length, over that at lag 0; each as a mean over
+/// the pairs of samples it has.
+std::vector<double> correlation_of(const std::vector<double>& signal) {
+  const std::size_t count = signal.size();
+  const auto products = lagged_products(signal);
   std::vector<double> correlation(count / 2 + 2);
   for (std::size_t lag = 0; lag < correlation.size(); ++lag)
     correlation[lag] =
-        time[lag].real() / time[0].real() * static_cast<double>(count) / static_cast<double>(count - lag);
+        products[lag].real() / products[0].real() * static_cast<double>(count) / static_cast<double>(count - lag);
   return correlation;
 }
 
@@ -217,6 +224,40 @@ std::optional<double> period_of(const std::vector<double>& signal) {
       return with_whole_samples(longest / parts, signal);
   }
   return longest;
+}
+
+std::optional<double> repeats_once_after(const std::vector<double>& signal) {
+  const std::size_t count = signal.size();
+  if (count < 16 || count > detail::long_record) return std::nullopt;
+  const double mean = mean_of(signal);
+  // Of the first samples: their squares, and how often they cross the mean.
+  std::vector<double> squares{0};
+  std::vector<std::size_t> crossings{0};
+  for (std::size_t i = 0; i < count; ++i) {
+    squares.push_back(squares.back() + (signal[i] - mean) * (signal[i] - mean));
+    crossings.push_back(crossings.back() + (i > 0 && (signal[i - 1] < mean) != (signal[i] < mean) ? 1 : 0));
+  }
+  const auto products = lagged_products(signal);
+  std::vector<double> alike(count);
+  for (std::size_t lag = count / 2; lag < count; ++lag) {
+    const double both = squares[count - lag] + squares[count] - squares[lag];
+    alike[lag] = both > 0 ? 2 * products[lag].real() / both : 0;
+  }
+  constexpr double chance = 1e-6, rounding = 1e-12;
+  double least = std::log(chance / static_cast<double>(count));
+  std::optional<double> found;
+  for (std::size_t lag = count / 2 + 1; lag + 1 < count; ++lag) {
+    if (alike[lag] < 0.5 || alike[lag] < alike[lag - 1] || alike[lag] < alike[lag + 1]) continue;
+    const Summit summit = summit_at(alike, lag);
+    // A stretch that crosses its mean n times has n degrees of freedom or more; that the directions of two such ones
+    // agree so far has at most this chance.
+    const double exponent = 0.5 * (static_cast<double>(crossings[count - lag]) - 1);
+    const double logarithm = exponent * std::log(2 * std::max(1 - summit.height, rounding));
+    if (logarithm >= least) continue;
+    least = logarithm;
+    found = summit.lag;
+  }
+  return found;
 }
 
 std::vector<SineSegment> sine_segments(const std::vector<double>& signal) {

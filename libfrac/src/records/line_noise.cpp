@@ -6,6 +6,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/cancellation.hpp"
+#include "special/distributions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -62,11 +63,30 @@ LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index c = 0; c < channels; ++c) around(i, c) = of_channel(c)[bin_of(i)];
   const auto degrees = static_cast<double>(count - terms);
+  const auto judged_of = [&](const Fitted& fitted) {
+    return sum ? Eigen::MatrixXcd(fitted.left * sum->weights) : Eigen::MatrixXcd(fitted.left.rightCols(channels - 1));
+  };
+  Eigen::VectorXcd shape;
+  Eigen::VectorXd sizes_of_loop;  // inverse ones
+  if (sum) {
+    Eigen::VectorXcd response(count);
+    for (Eigen::Index i = 0; i < count; ++i) response(i) = sum->response(bin_of(i));
+    const std::complex<double> here = sum->response(bin);
+    sizes_of_loop = (1.0 - sum->loop * response.array()).abs() / std::abs(1.0 - sum->loop * here);
+    response /= here;
+    const Eigen::MatrixXcd summed = around * sum->weights;
+    const auto power = [&](const Eigen::VectorXcd& with) { return fit(summed, {}, with).left.squaredNorm(); };
+    if (response.allFinite() && response.cwiseAbs().minCoeff() > 0) {
+      constexpr double chance = 0.01;
+      const double shaped = power(response), even = power({});
+      if (shaped > 0 && shaped < even && fisher_f_above(even / shaped, 2 * degrees, 2 * degrees) < chance)
+        shape = std::move(response);
+    }
+  }
   Fitted best;
   const auto try_sizes = [&](const Eigen::VectorXd& inverse_sizes) {
-    Fitted fitted = fit(around, inverse_sizes);
-    const Eigen::MatrixXcd judged =
-        sum ? Eigen::MatrixXcd(fitted.left * sum->weights) : Eigen::MatrixXcd(fitted.left.rightCols(channels - 1));
+    Fitted fitted = fit(around, inverse_sizes, shape);
+    const Eigen::MatrixXcd judged = judged_of(fitted);
     for (Eigen::Index c = 0; c < judged.cols(); ++c) {
       const double squares = judged.col(c).squaredNorm();
       if (squares > 0) fitted.likelihood += fitted.likelihood_of_sizes - degrees * std::log(squares);
@@ -84,11 +104,7 @@ LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
         inverse_sizes(i) = std::pow(static_cast<double>(bin_of(i)) / at, slope / 2);
       try_sizes(inverse_sizes);
     }
-  if (sum) {
-    Eigen::VectorXd inverse_sizes(count);
-    for (Eigen::Index i = 0; i < count; ++i) inverse_sizes(i) = sum->size(bin) / sum->size(bin_of(i));
-    if (inverse_sizes.allFinite()) try_sizes(inverse_sizes);
-  }
+  if (sum && sizes_of_loop.allFinite()) try_sizes(sizes_of_loop);
   line.value -= best.transient;
   line.degrees = degrees;
   const double spread = (1 + best.leverage) / line.degrees;
@@ -105,34 +121,45 @@ double LineReader::largest_offset() const {
   return static_cast<double>(std::abs(offsets_.back()));
 }
 
-LineReader::Plan LineReader::plan(const Eigen::VectorXd& inverse_sizes) const {
+LineReader::Plan LineReader::plan(const Eigen::VectorXd& factors) const {
   const auto count = static_cast<Eigen::Index>(offsets_.size());
   Plan made{Eigen::MatrixXd(count, terms), {}};
   for (Eigen::Index i = 0; i < count; ++i) {
     const double x = static_cast<double>(offsets_[static_cast<std::size_t>(i)]) / largest_offset();
     made.powers.row(i) << 1, x, x * x;
   }
-  if (inverse_sizes.size() > 0) made.powers = inverse_sizes.asDiagonal() * made.powers;
+  if (factors.size() > 0) made.powers = factors.asDiagonal() * made.powers;
   made.to_terms = PlainQr(made.powers).dual().transpose();
   return made;
 }
 
-// Restricted likelihood of complex normal lines whose deviation is S over inverse_sizes, S left to the data.
-LineReader::Fitted LineReader::fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes) {
-  const bool is_even = inverse_sizes.size() == 0;
+// Restricted likelihood of complex normal lines whose deviation is S over inverse_sizes, S left to the data.  Lines are
+// turned by the phases of the shape, so that what follows them stays real, and what is left is turned back.
+LineReader::Fitted LineReader::fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes,
+                                   const Eigen::VectorXcd& shape) {
+  const bool is_even = inverse_sizes.size() == 0, is_shaped = shape.size() > 0;
   if (offsets_ != planned_) {
     planned_ = offsets_;
     even_ = plan({});
   }
-  const Plan of_sizes = is_even ? Plan{} : plan(inverse_sizes);
-  const auto& [powers, to_terms] = is_even ? even_ : of_sizes;
+  Plan made;
+  if (is_shaped || !is_even) {
+    Eigen::VectorXd factors = Eigen::VectorXd::Ones(around.rows());
+    if (is_shaped) factors = shape.cwiseAbs();
+    if (!is_even) factors = factors.cwiseProduct(inverse_sizes);
+    made = plan(factors);
+  }
+  const auto& [powers, to_terms] = is_shaped || !is_even ? made : even_;
   Fitted fitted;
   fitted.left = around;
   if (!is_even) fitted.left = inverse_sizes.cast<std::complex<double>>().asDiagonal() * around;
+  const Eigen::VectorXcd phases = is_shaped ? Eigen::VectorXcd(shape.cwiseQuotient(shape.cwiseAbs())) : shape;
+  if (is_shaped) fitted.left = phases.conjugate().asDiagonal() * fitted.left;
   const Eigen::MatrixXcd polynomial = to_terms.cast<std::complex<double>>() * fitted.left;
   // The value of the polynomial at the line is its constant.
   fitted.transient = polynomial.row(0).transpose();
   fitted.left -= powers.cast<std::complex<double>>() * polynomial;
+  if (is_shaped) fitted.left = phases.asDiagonal() * fitted.left;
   fitted.leverage = to_terms.row(0).squaredNorm();
   // The determinant of the normal equations, from their inverse.
   fitted.likelihood_of_sizes = 2 * CholeskyFactor(to_terms * to_terms.transpose()).diagonal().array().log().sum();

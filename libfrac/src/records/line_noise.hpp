@@ -28,11 +28,12 @@ struct LineEstimate {
   [[nodiscard]] Parts parts(const Eigen::VectorXcd& weights) const;
 };
 
-/// A sum of weighted channels, and how the size of its noise may change from line to line.
+/// A sum of weighted channels, and how what lies between the lines changes from line to line: the transient is a
+/// polynomial times the response of the machine, the noise is divided by 1 - loop * response, as it goes round a loop.
 struct ShapedSum {
   Eigen::VectorXcd weights;
-  /// Of the noise at a bin, up to a factor; not finite: not known, and the shape is not tried.
-  std::function<double(std::size_t)> size;
+  std::function<std::complex<double>(std::size_t)> response;  // at a bin; not finite: not known, and no shape is tried
+  std::complex<double> loop;                                  // response from output to input
 };
 
 /// Reads lines of several spectra of equal length without what leaks into them.
@@ -45,7 +46,8 @@ class LineReader {
   /// Removes from the line `bin` of each spectrum the polynomial of order 2 that follows the lines around it which are
   /// no multiples of `step`, and estimates from what it leaves of them the covariance of the noise.
   /// The noise over the window is as large everywhere, or follows a power of frequency at low ones, or the shape of
-  /// `sum`: as is likeliest of all channels, or of `sum` where it is given.
+  /// `sum`: as is likeliest of all channels, or of `sum` where it is given.  The polynomial is one times the shape of
+  /// the transient of `sum`, where that leaves less of it.
   [[nodiscard]] LineEstimate operator()(std::size_t bin, const ShapedSum* sum = nullptr);
 
  private:
@@ -61,9 +63,11 @@ class LineReader {
   struct Plan {
     Eigen::MatrixXd powers, to_terms;
   };
-  [[nodiscard]] Plan plan(const Eigen::VectorXd& inverse_sizes) const;
+  [[nodiscard]] Plan plan(const Eigen::VectorXd& factors) const;
   /// @param inverse_sizes  of the noise of each line; none: as large everywhere
-  [[nodiscard]] Fitted fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes);
+  /// @param shape          of the transient, 1 at the line; none: as large everywhere
+  [[nodiscard]] Fitted fit(const Eigen::MatrixXcd& around, const Eigen::VectorXd& inverse_sizes,
+                           const Eigen::VectorXcd& shape);
   [[nodiscard]] double largest_offset() const;
   void take_window(std::size_t bin);
 

@@ -129,4 +129,41 @@ Multisine multisine(const MultisineOptions& options) {
   return best;
 }
 
+std::vector<SteppedSineStep> stepped_sine_plan(const std::vector<double>& omega, double total_time,
+                                               std::size_t settling_cycles) {
+  constexpr double fewest = 6;
+  if (omega.empty()) throw std::invalid_argument("omega is empty; expected at least one frequency");
+  double settling = 0, least = 0;
+  std::vector<double> shortest;  // time that a step measures at least
+  for (const double each : omega) {
+    if (!(each > 0) || !std::isfinite(each))
+      throw std::invalid_argument("omega holds " + detail::number_text(each) + " rad/s; expected finite numbers > 0");
+    settling += static_cast<double>(settling_cycles) * 2 * pi / each;
+    shortest.push_back(fewest * 2 * pi / each);
+    least += shortest.back();
+  }
+  if (!(total_time >= settling + least) || !std::isfinite(total_time))
+    throw std::invalid_argument(
+        "total_time is " + detail::number_text(total_time) + " s; expected a finite number of at least " +
+        detail::number_text(settling + least) + " s, which " + std::to_string(settling_cycles) +
+        " cycles of settling and 6 that are measured take at each of " + std::to_string(omega.size()) + " frequencies");
+  // Steps that six cycles take longer than an even share leave less for the others, and so may make more of them.
+  double left = total_time - settling, share = 0;
+  auto sharing = shortest;
+  std::sort(sharing.begin(), sharing.end());
+  while (!sharing.empty() && (share = left / static_cast<double>(sharing.size())) < sharing.back()) {
+    left -= sharing.back();
+    sharing.pop_back();
+  }
+  std::vector<SteppedSineStep> plan;
+  double at = 0;
+  for (const double each : omega) {
+    const double cycles = std::max(fewest, std::floor(share * each / (2 * pi)));
+    const double end = at + (static_cast<double>(settling_cycles) + cycles) * 2 * pi / each;
+    plan.push_back({each, settling_cycles, static_cast<std::size_t>(cycles), at, end});
+    at = end;
+  }
+  return plan;
+}
+
 }  // namespace frac

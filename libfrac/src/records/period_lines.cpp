@@ -85,6 +85,20 @@ bool reaches_half_of_sampling(LineReader& reader, const PeriodLines& found, std:
   return false;
 }
 
+void DistortionLevel::add(const DistortionLevel& other, double share) {
+  whole += share * other.whole;
+  noise += share * other.noise;
+  degrees += other.degrees;
+}
+
+void DistortionLevel::set(double& value, double& low, double& high) const {
+  if (degrees == 0) return;
+  const auto without_noise = [this](double times) { return std::sqrt(std::max(0.0, times * whole - noise)); };
+  value = without_noise(1);
+  low = without_noise(degrees / chi_squared_quantile(0.975, degrees));
+  high = without_noise(degrees / chi_squared_quantile(0.025, degrees));
+}
+
 double student_variance(double degrees) {
   return degrees > 2 ? degrees / (degrees - 2) : std::numeric_limits<double>::infinity();
 }

@@ -13,8 +13,8 @@ namespace {
 
 /// What a line that the excitation leaves out shows of one output, the answer to its own input taken away.
 struct Detection {
-  std::size_t line;  // of the period
-  double power;      // without that of the noise, mean of its square; may be negative
+  std::size_t line;     // of the period
+  double power, noise;  // of which noise is expected
 };
 
 /// Lines of the period that the drive excites, and how many others it has above its noise.
@@ -79,33 +79,35 @@ ExcitedLines excited_lines(const std::vector<LineEstimate>& lines, Eigen::Index 
   return excited;
 }
 
-/// Mean power of the detection lines of a kind that are nearest to a line of the period; NaN of none.
+/// Level of the detection lines of a kind that are nearest to a line of the period, over the input there.
 /// Six lines: twelve degrees of freedom.
-double level_near(const std::vector<Detection>& lines, std::size_t line) {
+DistortionLevel level_near(const std::vector<Detection>& lines, std::size_t line, double input_amplitude) {
   constexpr std::size_t most = 6;
-  if (lines.empty()) return std::numeric_limits<double>::quiet_NaN();
   auto end = std::lower_bound(lines.begin(), lines.end(), line,
                               [](const Detection& each, std::size_t at) { return each.line < at; });
   auto begin = end;
   const auto distance = [line](const Detection& each) {
     return each.line > line ? each.line - line : line - each.line;
   };
-  double sum = 0, count = 0;
-  while (count < static_cast<double>(std::min(most, lines.size()))) {
+  DistortionLevel level;
+  const auto count = static_cast<double>(std::min(most, lines.size()));
+  const double scale = 1 / (2 * count * input_amplitude * input_amplitude);
+  while (level.degrees < 2 * count) {
     const bool below = end == lines.end() || (begin != lines.begin() && distance(*(begin - 1)) <= distance(*end));
-    sum += below ? (--begin)->power : (end++)->power;
-    ++count;
+    const Detection& nearest = below ? *--begin : *end++;
+    level.whole += scale * nearest.power;
+    level.noise += scale * nearest.noise;
+    level.degrees += 2;
   }
-  return std::max(0.0, sum / count);
+  return level;
 }
 
 /// The distortion joins the noise in the deviations of a point: two independent variances, whose sum has the degrees of
 /// freedom of Welch and Satterthwaite.
-void add_distortion(double power, double count_of_lines, double degrees_of_noise, ResponsePoint& point) {
-  const double added = power / 2 / (point.input_amplitude * point.input_amplitude);
-  point.distortion = std::sqrt(added);
-  if (added == 0 || std::isnan(point.sigma)) return;
-  const double degrees_of_added = 2 * count_of_lines;
+void add_distortion(const DistortionLevel& level, double degrees_of_noise, ResponsePoint& point) {
+  set_distortion(level, point);
+  const double added = point.distortion * point.distortion, degrees_of_added = level.degrees;
+  if (!(added > 0) || std::isnan(point.sigma)) return;
   const auto join = [&](double& sigma, double degrees) {
     const double noise = sigma * sigma / student_variance(degrees), whole = noise + added;
     const double joint = whole * whole / (noise * noise / degrees + added * added / degrees_of_added);
@@ -120,24 +122,33 @@ void add_distortion(double power, double count_of_lines, double degrees_of_noise
   point.degrees = std::min(of_re, of_im);
 }
 
-/// Response of an output between the excited lines: 1/G along straight lines, from which that of a resonance departs by
-/// (distance/frequency)^2/4 of its static value.
+/// Response of an output between the excited lines: 1/G along the polynomial through two lines on each side, which is
+/// exact for a resonance.
 class BetweenLines {
  public:
   /// @param lines  rising
   BetweenLines(std::vector<double> lines, std::vector<std::complex<double>> values)
-      : lines_(std::move(lines)), values_(std::move(values)) {}
+      : lines_(std::move(lines)), inverses_(std::move(values)) {
+    for (auto& each : inverses_) each = 1.0 / each;
+  }
   [[nodiscard]] std::complex<double> operator()(double line) const {
     const auto above = static_cast<std::size_t>(std::lower_bound(lines_.begin(), lines_.end(), line) - lines_.begin());
-    if (above == 0) return values_.front();
-    if (above == lines_.size()) return values_.back();
-    const double share = (line - lines_[above - 1]) / (lines_[above] - lines_[above - 1]);
-    return 1.0 / ((1 - share) / values_[above - 1] + share / values_[above]);
+    if (above == 0) return 1.0 / inverses_.front();
+    if (above == lines_.size()) return 1.0 / inverses_.back();
+    const std::size_t begin = above < 2 ? 0 : above - 2, end = std::min(above + 2, lines_.size());
+    std::complex<double> inverse = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      double share = 1;
+      for (std::size_t k = begin; k < end; ++k)
+        if (k != i) share *= (line - lines_[k]) / (lines_[i] - lines_[k]);
+      inverse += share * inverses_[i];
+    }
+    return 1.0 / inverse;
   }
 
  private:
   std::vector<double> lines_;
-  std::vector<std::complex<double>> values_;
+  std::vector<std::complex<double>> inverses_;
 };
 
 /// Around the machine a loop u = r - C y makes of a disturbance v the errors e_y = v/(1 + G C) of the output and
@@ -146,14 +157,10 @@ class BetweenLines {
 ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t output, double periods,
                         const BetweenLines& response) {
   const auto at = static_cast<Eigen::Index>(output) + 1;
-  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}};
-  const auto here = response(static_cast<double>(bin) / periods);
-  sum.weights(0) = -here;
+  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}, line.covariance(0, at) / line.covariance(at, at)};
+  sum.response = [&response, periods](std::size_t other) { return response(static_cast<double>(other) / periods); };
+  sum.weights(0) = -sum.response(bin);
   sum.weights(at) = 1;
-  const std::complex<double> minus_controller = line.covariance(0, at) / line.covariance(at, at);
-  sum.size = [&response, periods, minus_controller](std::size_t other) {
-    return 1 / std::abs(1.0 - minus_controller * response(static_cast<double>(other) / periods));
-  };
   return sum;
 }
 
@@ -172,6 +179,7 @@ Estimated periodic_response(const Record& record, double length) {
   Estimated estimated;
   estimated.periods = static_cast<double>(periods);
   estimated.outputs.resize(outputs);
+  estimated.even.resize(outputs);
   if (excited.empty()) {
     estimated.remarks.push_back(
         std::string(has_reference ? "no line of the reference" : "no line of the input") +
@@ -187,22 +195,42 @@ Estimated periodic_response(const Record& record, double length) {
   for (std::size_t output = 0; output < outputs; ++output) {
     auto& points = estimated.outputs[output];
     const auto at = static_cast<Eigen::Index>(output) + 1;
-    std::vector<double> places;
-    std::vector<std::complex<double>> values;
-    for (const std::size_t k : excited) {
-      places.push_back(static_cast<double>(k));
-      values.push_back(lines[k - 1].value(at) / lines[k - 1].value(0));
-    }
-    const BetweenLines response(places, values);
-    for (const std::size_t k : excited) {
-      ResponsePoint& point = points.emplace_back();
-      LineEstimate line = lines[k - 1];
-      if (line.degrees > 0 && line.covariance(at, at).real() > 0) {
-        const ShapedSum sum = noise_of_loop(line, k * periods, output, static_cast<double>(periods), response);
-        line = reader(k * periods, &sum);
+    std::vector<double> places(excited.begin(), excited.end());
+    std::vector<LineEstimate> here;
+    for (const std::size_t k : excited) here.push_back(lines[k - 1]);
+    // Each round has the response between the lines from the lines of the one before, which at a resonance the
+    // transient may have moved by a quarter; each leaves about as small a part of that.  What depends on lines that
+    // move by less than a tenth of their deviation stays as it is.
+    constexpr int rounds = 3;
+    constexpr double least_move = 0.1;
+    // Two lines beyond those that the window reaches.
+    const std::size_t side = 2 + neighbours_for(periods) / std::max<std::size_t>(periods - 1, 1);
+    std::vector<bool> has_moved(excited.size(), true);
+    for (int round = 0; round < rounds; ++round) {
+      std::vector<std::complex<double>> values;
+      for (const LineEstimate& line : here) values.push_back(line.value(at) / line.value(0));
+      const BetweenLines response(places, values);
+      const std::vector<bool> moved_before = has_moved;
+      for (std::size_t i = 0; i < excited.size(); ++i) {
+        const auto first = moved_before.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, side)),
+                   last = moved_before.begin() + static_cast<std::ptrdiff_t>(std::min(i + side + 1, excited.size()));
+        has_moved[i] =
+            std::find(first, last, true) != last && here[i].degrees > 0 && here[i].covariance(at, at).real() > 0;
+        if (!has_moved[i]) continue;
+        const std::size_t bin = excited[i] * periods;
+        const ShapedSum sum = noise_of_loop(here[i], bin, output, static_cast<double>(periods), response);
+        LineEstimate line = reader(bin, &sum);
+        has_moved[i] =
+            std::norm(line.value(at) - here[i].value(at)) > least_move * least_move * line.covariance(at, at).real();
+        here[i] = std::move(line);
       }
-      point.omega = static_cast<double>(k * periods) * found.spacing;
-      point.periods = static_cast<double>(k * periods);
+    }
+    for (std::size_t i = 0; i < excited.size(); ++i) {
+      const LineEstimate& line = here[i];
+      ResponsePoint& point = points.emplace_back();
+      const std::size_t bin = excited[i] * periods;
+      point.omega = static_cast<double>(bin) * found.spacing;
+      point.periods = static_cast<double>(bin);
       set_ratio(line, output, point);
       // Below 10 dB the mean of a ratio is no longer its value, and its error no longer normal (Pintelon, Schoukens
       // 2012, chapter 2).
@@ -236,14 +264,13 @@ Estimated periodic_response(const Record& record, double length) {
       // the line's own input, which a loop may have made large, can be what is left, it is no distortion.
       const std::complex<double> missed = value - 1.0 / ((1 - share) / before + share / after);
       if (9 * std::norm(missed * line.value(0)) > std::max(noise, rest)) continue;
-      (odd_alone && k % 2 == 0 ? even : other).push_back({k, rest - noise});
+      (odd_alone && k % 2 == 0 ? even : other).push_back({k, rest, noise});
     }
     for (std::size_t i = 0; i < excited.size(); ++i) {
       const double amplitude = points[i].input_amplitude;
-      points[i].even_distortion = std::sqrt(level_near(even, excited[i]) / 2) / amplitude;
-      if (!other.empty())
-        add_distortion(level_near(other, excited[i]), static_cast<double>(std::min<std::size_t>(6, other.size())),
-                       2 * lines[excited[i] - 1].degrees, points[i]);
+      estimated.even[output].push_back(level_near(even, excited[i], amplitude));
+      set_even_distortion(estimated.even[output].back(), points[i]);
+      add_distortion(level_near(other, excited[i], amplitude), 2 * lines[excited[i] - 1].degrees, points[i]);
       if (points[i].flag.empty()) continue;
       for (double* each : {&points[i].sigma, &points[i].sigma_re, &points[i].sigma_im, &points[i].noise})
         *each = std::numeric_limits<double>::quiet_NaN();

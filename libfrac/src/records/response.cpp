@@ -95,20 +95,22 @@ Estimated estimate(const Record& record, Excitation excitation, double length, c
 
 /// Mean over realisations; the deviation is that of their scatter, which holds noise and distortion (Pintelon,
 /// Schoukens 2012, chapter 4).
-void average(const std::vector<Estimated>& all, std::vector<std::vector<ResponsePoint>>& outputs) {
+void average(const std::vector<Estimated>& all, Excitation excitation,
+             std::vector<std::vector<ResponsePoint>>& outputs) {
   const auto count = static_cast<double>(all.size());
   for (std::size_t output = 0; output < outputs.size(); ++output) {
     auto& points = outputs[output];
     std::vector<double> scatter(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       std::complex<double> sum = 0;
-      double noise = 0, amplitude = 0, even = 0;
+      double noise = 0, amplitude = 0;
+      detail::DistortionLevel even;
       for (const auto& each : all) {
         const ResponsePoint& point = each.outputs[output][i];
         sum += point.value / count;
         noise += point.noise * point.noise / (count * count);
         amplitude += point.input_amplitude / count;
-        even += point.even_distortion * point.even_distortion / count;
+        if (excitation == Excitation::periodic) even.add(each.even[output][i], 1 / count);
         if (!point.flag.empty()) points[i].flag = point.flag;
       }
       for (const auto& each : all)
@@ -116,7 +118,7 @@ void average(const std::vector<Estimated>& all, std::vector<std::vector<Response
       points[i].value = sum;
       points[i].noise = std::sqrt(noise);
       points[i].input_amplitude = amplitude;
-      points[i].even_distortion = std::sqrt(even);
+      detail::set_even_distortion(even, points[i]);
       points[i].correlation = 0;
     }
     // Of few realisations neighbouring lines are taken together, until there are 18 degrees of freedom.
@@ -131,7 +133,7 @@ void average(const std::vector<Estimated>& all, std::vector<std::vector<Response
       point.degrees = 2 * (count - 1) * lines;
       const double whole = sum / lines;
       const double noise = point.noise * point.noise;
-      point.distortion = std::sqrt(std::max(0.0, whole - noise));
+      detail::set_distortion({whole, noise, point.degrees}, point);
       point.sigma = std::sqrt(std::max(whole * detail::student_variance(point.degrees), noise));
       if (!point.flag.empty()) point.sigma = std::numeric_limits<double>::quiet_NaN();
       point.sigma_re = point.sigma_im = point.sigma;
@@ -270,6 +272,14 @@ ResponseEstimate response_as_read(const std::vector<Record>& records, const Resp
           "in the record");
     length = *found;
   }
+  if (result.excitation == Excitation::arbitrary && !options.excitation) {
+    if (const auto lag = repeats_once_after(first.drive()))
+      result.remarks.push_back("the input repeats itself after " + detail::short_text(*lag * first.sample_time()) +
+                               " s, of which the record holds " +
+                               detail::short_text(static_cast<double>(first.size()) / *lag) +
+                               " periods: it is taken as arbitrary; from two periods on the noise between its lines is "
+                               "told from the transient");
+  }
   std::vector<Estimated> all;
   for (const Record& record : records) {
     all.push_back(estimate(record, result.excitation, length, options));
@@ -302,7 +312,7 @@ ResponseEstimate response_as_read(const std::vector<Record>& records, const Resp
             "records differ in the lines that they excite; expected realisations of one "
             "excitation");
     }
-  if (records.size() > 1) average(all, result.outputs);
+  if (records.size() > 1) average(all, result.excitation, result.outputs);
   if (result.excitation == Excitation::periodic && records.size() == 1) {
     if (all.front().all_lines_excited)
       result.remarks.emplace_back(

@@ -157,16 +157,23 @@ class Response : public Command {
     other("correlation", [](const Point& p) { return Cell(p.correlation); });
     other("degrees_of_freedom", [](const Point& p) { return Cell(p.degrees); });
     other("noise", [](const Point& p) { return Cell(p.noise); });
+    const auto add_distortion = [&] {
+      other("distortion", [](const Point& p) { return Cell(p.distortion); });
+      other("distortion_low", [](const Point& p) { return Cell(p.distortion_low); });
+      other("distortion_high", [](const Point& p) { return Cell(p.distortion_high); });
+    };
     switch (excitation) {
       case frac::Excitation::periodic:
-        other("distortion", [](const Point& p) { return Cell(p.distortion); });
+        add_distortion();
         other("even_distortion", [](const Point& p) { return Cell(p.even_distortion); });
+        other("even_distortion_low", [](const Point& p) { return Cell(p.even_distortion_low); });
+        other("even_distortion_high", [](const Point& p) { return Cell(p.even_distortion_high); });
         break;
       case frac::Excitation::stepped_sine:
         other("subharmonic", [](const Point& p) { return Cell(std::int64_t{p.subharmonic}); });
         break;
       case frac::Excitation::arbitrary:
-        other("distortion", [](const Point& p) { return Cell(p.distortion); });
+        add_distortion();
         other("coherence", [](const Point& p) { return Cell(p.coherence); });
         other("h1_re", [](const Point& p) { return Cell(p.windowed.real()); });
         other("h1_im", [](const Point& p) { return Cell(p.windowed.imag()); });
@@ -310,7 +317,8 @@ class Response : public Command {
     std::vector<std::string> names;
     for (const std::string& name : rows.columns) {
       is_kept.push_back(true);
-      for (const char* begin : {"deviation_", "correlation", "degrees_of_freedom", "h1_", "harmonic", "periods"})
+      for (const char* begin : {"deviation_", "correlation", "degrees_of_freedom", "h1_", "harmonic", "periods",
+                                "distortion_", "even_distortion_"})
         if (name.starts_with(begin)) is_kept.back() = false;
       if (is_kept.back()) names.push_back(name);
     }

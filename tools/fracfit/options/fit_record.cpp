@@ -11,8 +11,8 @@
 namespace fracfit {
 namespace {
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what) {
-  throw io::DataError(file, 0, 0, what + "; expected the JSON of fracfit fit");
+[[noreturn]] void refuse(const std::string& file, const std::string& what, const char* command = "fit") {
+  throw io::DataError(file, 0, 0, what + "; expected the JSON of fracfit " + command);
 }
 
 const Json& member(const std::string& file, const Json& object, const char* name) {
@@ -68,6 +68,24 @@ frac::FitResult read_fit(const std::string& file) {
                            fit.parameters[i].standard_error * fit.parameters[j].standard_error);
   }
   return fit;
+}
+
+frac::NextMeasurement read_next_measurement(const std::string& file) {
+  const auto json = Json::parse(*io::input_text(file));
+  if (!json || !json->is_object()) refuse(file, "is no JSON object", "identify");
+  const Json* next = json->find("next_measurement");
+  if (next == nullptr) refuse(file, "has no member 'next_measurement'", "identify");
+  if (!next->is_object())
+    throw io::DataError(file, 0, 0, "asks for no next measurement: its verdict is " + text(file, *json, "verdict"));
+  frac::NextMeasurement found{finite_number(file, *next, "lower"),
+                              finite_number(file, *next, "upper"),
+                              static_cast<std::size_t>(finite_number(file, *next, "points")),
+                              finite_number(file, *next, "accuracy"),
+                              finite_number(file, *next, "relative_accuracy"),
+                              finite_number(file, *next, "expected_evidence")};
+  if (!(found.lower > 0 && found.lower <= found.upper) || found.points < 1)
+    refuse(file, "has a next measurement of no band or no points", "identify");
+  return found;
 }
 
 }  // namespace fracfit

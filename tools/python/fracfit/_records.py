@@ -39,6 +39,8 @@ class RecordResponse(_Record, Table):
         That the deviations come from.
     noise, distortion, even_distortion : ndarray
         Shares of sigma, and distortion of even order, which is no part of it; NaN where nothing tells them.
+    distortion_low, distortion_high, even_distortion_low, even_distortion_high : ndarray
+        Ends of the 95 % intervals of both distortions.
     coherence, h1 : ndarray
         Of an arbitrary input: squared coherence, and the usual estimate by Hann windows; else NaN.
     subharmonic : ndarray of int
@@ -72,7 +74,11 @@ class RecordResponse(_Record, Table):
     degrees_of_freedom: Array
     noise: Array
     distortion: Array
+    distortion_low: Array
+    distortion_high: Array
     even_distortion: Array
+    even_distortion_low: Array
+    even_distortion_high: Array
     coherence: Array
     h1: Array
     subharmonic: Array
@@ -129,10 +135,11 @@ class RecordResponse(_Record, Table):
     def _columns(self) -> dict[str, Any]:
         columns: dict[str, Any] = {"omega_rad_s": self.omega}
         several = self.response.ndim == 2
+        distortion = {name: getattr(self, name) for name in ("distortion", "distortion_low", "distortion_high")}
         more = {
-            "periodic": {"distortion": self.distortion, "even_distortion": self.even_distortion},
+            "periodic": {**distortion, **{f"even_{name}": getattr(self, f"even_{name}") for name in distortion}},
             "stepped-sine": {"subharmonic": self.subharmonic},
-            "arbitrary": {"distortion": self.distortion, "coherence": self.coherence, "h1_re": self.h1.real, "h1_im": self.h1.imag},
+            "arbitrary": {**distortion, "coherence": self.coherence, "h1_re": self.h1.real, "h1_im": self.h1.imag},
         }
         for row, unit in enumerate(self.units):
             label = f"_{self.names[row] or row + 1}" if several else ""

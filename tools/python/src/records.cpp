@@ -85,6 +85,10 @@ py::dict response(const std::vector<Signals>& given, const std::optional<std::st
   result["noise"] = rows_of<double>(found, [](const Point& p) { return p.noise; });
   result["distortion"] = rows_of<double>(found, [](const Point& p) { return p.distortion; });
   result["even_distortion"] = rows_of<double>(found, [](const Point& p) { return p.even_distortion; });
+  result["distortion_low"] = rows_of<double>(found, [](const Point& p) { return p.distortion_low; });
+  result["distortion_high"] = rows_of<double>(found, [](const Point& p) { return p.distortion_high; });
+  result["even_distortion_low"] = rows_of<double>(found, [](const Point& p) { return p.even_distortion_low; });
+  result["even_distortion_high"] = rows_of<double>(found, [](const Point& p) { return p.even_distortion_high; });
   result["coherence"] = rows_of<double>(found, [](const Point& p) { return p.coherence; });
   result["h1"] = rows_of<Complex>(found, [](const Point& p) { return p.windowed; });
   result["subharmonic"] = rows_of<std::int64_t>(found, [](const Point& p) { return p.subharmonic; });

@@ -44,4 +44,22 @@ struct Multisine {
 /// @throws std::invalid_argument  an option out of its range, or no line in the band; the text names it.
 [[nodiscard]] Multisine multisine(const MultisineOptions& options);
 
+/// Whole cycles of one frequency of a stepped sine.
+struct SteppedSineStep {
+  double omega;                     // rad/s
+  std::size_t settling, measuring;  // cycles; those of settling come first
+  double begin, end;                // s
+};
+
+/// Steps one after the other, in the order of `omega`, that take `total_time` or less: each settles for so many cycles,
+/// and what is left is shared evenly in time, because noise that is as large everywhere gives a line a variance of
+/// 1/time at every frequency.  Of the shares whole cycles are kept, of each at least six, from which response() tells
+/// the noise; more than its share takes a step that six cycles take longer than that.
+/// @param omega       rad/s, > 0
+/// @param total_time  s
+/// @throws std::invalid_argument  no omega or one that is not a finite number > 0, or a total time in which six cycles
+///                                of each do not fit; the text has the time that they take.
+[[nodiscard]] std::vector<SteppedSineStep> stepped_sine_plan(const std::vector<double>& omega, double total_time,
+                                                             std::size_t settling_cycles);
+
 }  // namespace frac

@@ -40,6 +40,11 @@ struct ResponsePoint {
   double distortion = std::numeric_limits<double>::quiet_NaN();
   /// Distortion of even order, which lies on other lines than an excitation of odd ones and is no part of sigma.
   double even_distortion = std::numeric_limits<double>::quiet_NaN();
+  /// 95 % intervals of both: by chi-square, of lines that are complex normal and have the same power.
+  double distortion_low = std::numeric_limits<double>::quiet_NaN(),
+         distortion_high = std::numeric_limits<double>::quiet_NaN();
+  double even_distortion_low = std::numeric_limits<double>::quiet_NaN(),
+         even_distortion_high = std::numeric_limits<double>::quiet_NaN();
   double coherence = std::numeric_limits<double>::quiet_NaN();  // of an arbitrary input: squared, noise-free is 1
   std::complex<double> windowed{std::numeric_limits<double>::quiet_NaN(), 0};  // H1 of Hann windows, for comparison
   double periods = 0;   // of the input, in what the point is made of
