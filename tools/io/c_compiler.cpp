@@ -5,6 +5,7 @@
 #include <spawn.h>
 #include <stdlib.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -16,8 +17,6 @@
 
 #include "io/output_file.hpp"
 #include "io/termination.hpp"
-
-extern char** environ;
 
 namespace io {
 namespace {

@@ -32,17 +32,22 @@ struct OutputName {
 /// Outputs that are flat have both by their names.
 template <class Number>
 struct NumberPair {
+  NumberPair(const char* name, Number& number, const char* other_name, Number& other, const char* key = nullptr,
+             const char* other_key = nullptr)
+      : first_name(name),
+        first(number),
+        second_name(other_name),
+        second(other),
+        first_key(key),
+        second_key(other_key) {}
+
   const char* first_name;
   Number& first;
   const char* second_name;
   Number& second;
-  const char* first_key = nullptr;
-  const char* second_key = nullptr;
+  const char* first_key;
+  const char* second_key;
 };
-template <class Number>
-NumberPair(const char*, Number&, const char*, Number&) -> NumberPair<Number>;
-template <class Number>
-NumberPair(const char*, Number&, const char*, Number&, const char*, const char*) -> NumberPair<Number>;
 
 /// Whether a description of Named takes the result, which is const where it is written and not where it is read.
 template <class Result, class Named>
