@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What libc++ 13 of Debian's emscripten lacks of C++20 and the program uses, included before every source of the
-// browser's build: numbers as text, algorithms over ranges, and threads with a stop, of which a page has none.
+// browser's build: numbers as text, algorithms over ranges, threads with a stop, of which
+// a page has none; and where it draws other random numbers than libstdc++.
 #pragma once
 #if __cplusplus >= 202002L
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
+#include <random>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -114,6 +116,40 @@ void stable_sort(Range&& range, Order order, Part part = {}) {
 
 }  // namespace ranges
 
+/// The draws of libstdc++ (polar method of Marsaglia, the second number of each pair first), so that a seed gives the
+/// same numbers in the page.
+template <class Real>
+class normal_distribution_of_pairs {
+ public:
+  template <class Engine>
+  Real operator()(Engine& engine) {
+    if (has_saved_) {
+      has_saved_ = false;
+      return saved_;
+    }
+    Real x, y, square;
+    do {
+      x = 2 * unit(engine) - 1;
+      y = 2 * unit(engine) - 1;
+      square = x * x + y * y;
+    } while (square > 1 || square == 0);
+    const Real factor = std::sqrt(-2 * std::log(square) / square);
+    saved_ = x * factor;
+    has_saved_ = true;
+    return y * factor;
+  }
+
+ private:
+  template <class Engine>
+  static Real unit(Engine& engine) {
+    static_assert(Engine::min() == 0 && Engine::max() == ~0ULL);
+    const Real value = static_cast<Real>(engine()) / Real(18446744073709551616.0);
+    return value < 1 ? value : std::nextafter(Real(1), Real(0));
+  }
+  Real saved_ = 0;
+  bool has_saved_ = false;
+};
+
 class stop_token {
  public:
   [[nodiscard]] bool stop_requested() const noexcept { return true; }
@@ -143,4 +179,5 @@ class stoppable_condition : public condition_variable_any {
 }  // namespace std
 
 #define condition_variable_any stoppable_condition
+#define normal_distribution normal_distribution_of_pairs
 #endif
