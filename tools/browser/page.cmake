@@ -3,7 +3,7 @@
 # Recursion over formulas and decompositions of Boost's numbers of many digits need more stack than the 5 MB of em++.
 target_link_options(fracfit PRIVATE
   -O2 -sSINGLE_FILE=1 -sMODULARIZE=1 -sEXPORT_NAME=fracfit -sENVIRONMENT=web,worker,node -sINVOKE_RUN=0 -sEXIT_RUNTIME=1
-  -sALLOW_MEMORY_GROWTH=1 -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=16MB -sFORCE_FILESYSTEM=1
+  -sALLOW_MEMORY_GROWTH=1 -sINITIAL_MEMORY=64MB -sMAXIMUM_MEMORY=2GB -sTOTAL_STACK=16MB -sFORCE_FILESYSTEM=1
   -sEXPORTED_RUNTIME_METHODS=FS,callMain)
 add_custom_command(
   OUTPUT ${PROJECT_BINARY_DIR}/fracfit.html

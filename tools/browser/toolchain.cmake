@@ -22,4 +22,4 @@ string(APPEND flags " -fno-threadsafe-statics -Dunix -D__unix -D__unix__ -Xclang
 string(APPEND flags " -msimd128 -D__SSE__ -D__SSE2__")
 set(CMAKE_C_FLAGS_INIT "${flags}")
 set(CMAKE_CXX_FLAGS_INIT "${flags} -D_LIBCPP_ABI_VERSION=2 -fwasm-exceptions -include ${CMAKE_CURRENT_LIST_DIR}/newer_library.hpp")
-set(CMAKE_CXX_LINK_EXECUTABLE "em++ -fwasm-exceptions <LINK_FLAGS> <OBJECTS> -o <TARGET> <LINK_LIBRARIES>")
+set(CMAKE_CXX_LINK_EXECUTABLE "${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs em++ -fwasm-exceptions <LINK_FLAGS> <OBJECTS> -o <TARGET> <LINK_LIBRARIES>")
