@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The script of the program, wasm inside, in the place that the page keeps for it.
+# Puts the program, the script round it and the example into the places that the page keeps for them.
 cmake_minimum_required(VERSION 3.22)
 file(READ ${PAGE} page)
-file(READ ${PROGRAM} program)
-string(FIND "${page}" "@PROGRAM@" place)
-string(SUBSTRING "${page}" 0 ${place} before)
-math(EXPR place "${place} + 9")
-string(SUBSTRING "${page}" ${place} -1 after)
-string(REPLACE "</script" "<\\/script" program "${program}")
-file(WRITE ${OUTPUT} "${before}${program}${after}")
+foreach(each SCRIPT PROGRAM EXAMPLE)
+  file(READ ${${each}} content)
+  string(REPLACE "</script" "<\\/script" content "${content}")
+  string(FIND "${page}" "@${each}@" place)
+  string(LENGTH "@${each}@" length)
+  string(SUBSTRING "${page}" 0 ${place} before)
+  math(EXPR place "${place} + ${length}")
+  string(SUBSTRING "${page}" ${place} -1 after)
+  set(page "${before}${content}${after}")
+endforeach()
+file(WRITE ${OUTPUT} "${page}")

@@ -13,7 +13,6 @@ set(CMAKE_SYSROOT /usr/share/emscripten/cache/sysroot)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE NEVER)
 set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
-set(CMAKE_EXECUTABLE_SUFFIX .js)
 # What em++ 3.1.6 tells its Clang.  Vectors of two numbers as those of SSE2: sums are then in the order in which the program
 # of x86-64 adds.
 set(flags "-DEMSCRIPTEN -D__EMSCRIPTEN_major__=3 -D__EMSCRIPTEN_minor__=1 -D__EMSCRIPTEN_tiny__=6 -fvisibility=default")

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// In the place of gnuplot_run.cpp and gnuplot_script.cpp where no program can be started: the script of a page draws
-// from the numbers of a figure alone.
+// In the place of gnuplot_run.cpp and gnuplot_script.cpp in a browser, where no program can be started: the page of a
+// report draws by its own script.
+#include <stdexcept>
+
 #include "report/figure.hpp"
 
 namespace report {
 
 std::string gnuplot_script(const Figure& figure) {
-  return "# " + figure.name + ": drawn by the page\n";
+  if (figure.link.empty()) throw std::invalid_argument(gnuplot_missing());
+  return "";
+}
+
+std::string gnuplot_missing() {
+  return "gnuplot draws this, which a page in a browser cannot start; the program on a computer draws it";
 }
 
 std::optional<std::filesystem::path> find_gnuplot() {
@@ -15,7 +22,7 @@ std::optional<std::filesystem::path> find_gnuplot() {
 
 std::string draw(const std::filesystem::path&, const std::filesystem::path&, const std::vector<std::string>&,
                  std::chrono::milliseconds) {
-  return "no program can be started here";
+  return gnuplot_missing();
 }
 
 }  // namespace report
