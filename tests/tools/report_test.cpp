@@ -506,7 +506,7 @@ TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
   expect_complete(report.path(), false);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   const auto figures = figures_in(page);
-  ASSERT_EQ(figures.size(), 2U) << "response and residuals";
+  ASSERT_EQ(figures.size(), 3U) << "response, relaxation times and residuals";
   // Drawn once, by the script, and who allows none is told of it at each picture.  The page itself has the circuit.
   EXPECT_EQ(page.find("<svg"), page.rfind("<svg"));
   EXPECT_NE(page.find("<svg class=\"circuit\""), std::string::npos);
@@ -518,7 +518,7 @@ TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
   const auto& rows = json.at("tables").at("data-1-curves");
   // The data are the last curve of the Nyquist panel.
   const auto& points = figures[0].at("panels").at(0).at("curves").back().at("segments").at(0);
-  const auto& residuals = figures[1].at("panels").at(0).at("curves").back().at("segments").at(0);
+  const auto& residuals = figures[2].at("panels").at(0).at("curves").back().at("segments").at(0);
   ASSERT_EQ(points.size(), rows.size());
   ASSERT_EQ(residuals.size(), rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -528,6 +528,10 @@ TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
     EXPECT_EQ(residuals[i][0], rows[i].at("f_hz"));
     EXPECT_EQ(residuals[i][1], rows[i].at("residual_magnitude_percent"));
   }
+  // A wide range may end above the axis, the density may not.
+  const auto& times = figures[1].at("panels").at(0);
+  for (const auto& point : times.at("curves").at(1).at("segments").at(0))
+    EXPECT_LT(point.at(1), times.at("y").at("to")) << "tau = " << point.at(0);
 }
 
 TEST(WriteReport, ShowsAModulusAsStorageAndLoss) {

@@ -97,11 +97,16 @@ struct Figure {
 /// Plain text made safe for gnuplot's enhanced mode.
 [[nodiscard]] std::string enhanced_escape(std::string_view text);
 
-/// A gnuplot script with the data inside that makes name.svg and name.png in the folder it runs in.
+/// A gnuplot script with the data inside that makes name.svg and name.png in the folder it runs in; empty in a browser
+/// for a figure that the page of the report draws.
+/// @throws std::invalid_argument  in a browser, for any other figure
 [[nodiscard]] std::string gnuplot_script(const Figure& figure);
 
 /// The gnuplot program on PATH.
 [[nodiscard]] std::optional<std::filesystem::path> find_gnuplot();
+
+/// What to do where it is not found, in one sentence.
+[[nodiscard]] std::string gnuplot_missing();
 
 /// Longest time for one picture: hundred times what the largest takes on a slow machine.
 constexpr std::chrono::milliseconds picture_time{120'000};

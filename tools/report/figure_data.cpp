@@ -57,7 +57,9 @@ Json json_of(const Curve& curve) {
 }
 
 Json json_of(const Axis& axis) {
-  return {{"label", axis.label}, {"logarithmic", axis.logarithmic}, {"degrees", axis.degrees}};
+  Json json = {{"label", axis.label}, {"logarithmic", axis.logarithmic}, {"degrees", axis.degrees}};
+  if (axis.to) json["to"] = *axis.to;
+  return json;
 }
 
 Json json_of(const Panel& panel) {

@@ -110,6 +110,10 @@ class SpawnActions {
 
 }  // namespace
 
+std::string gnuplot_missing() {
+  return "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
+}
+
 std::optional<std::filesystem::path> find_gnuplot() {
   const char* search_path = std::getenv("PATH");
   if (search_path == nullptr) return std::nullopt;

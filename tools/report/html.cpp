@@ -140,10 +140,14 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   const std::filesystem::path svg = folder / (stem + ".svg");
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
   if (!figure.verdict.empty()) html += "<div class=\"verdict\">" + figure.verdict + "</div>\n";
-  html += picture_html(figure, svg) + "<figcaption>" + figure.caption + " <span class=\"files\">[";
-  if (std::filesystem::exists(svg))
-    html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
-  return html + "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n</figure>\n";
+  html += picture_html(figure, svg) + "<figcaption>" + figure.caption;
+  if (std::filesystem::exists(folder / (stem + ".gp"))) {
+    html += " <span class=\"files\">[";
+    if (std::filesystem::exists(svg))
+      html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
+    html += "<a href=\"" + stem + ".gp\">script with the data</a>]</span>";
+  }
+  return html + "</figcaption>\n</figure>\n";
 }
 
 bool is_word_column(const Table& table, std::size_t column) {

@@ -16,7 +16,7 @@ PictureFile::PictureFile(std::filesystem::path path, const std::vector<std::stri
   if (path_.extension() != ".svg" && path_.extension() != ".png")
     throw std::invalid_argument("'" + path_.string() + "' must end in .svg or .png");
   const auto found = find_gnuplot();
-  if (!found) throw std::invalid_argument("gnuplot was not found; install it with \"apt-get install gnuplot-nox\"");
+  if (!found) throw std::invalid_argument(gnuplot_missing());
   gnuplot_ = *found;
   const io::OutputFile writable(path_.string(), inputs_);
 }

@@ -213,10 +213,12 @@ std::string draw_figures(const StagedFolder& folder, const std::optional<std::fi
   for (const Block& block : section.blocks) {
     const Figure* figure = std::get_if<Figure>(&block);
     if (figure == nullptr) continue;
-    folder.write("figures/" + figure->name + ".gp", gnuplot_script(*figure));
+    const std::string script = gnuplot_script(*figure);
+    if (script.empty()) continue;
+    folder.write("figures/" + figure->name + ".gp", script);
     names.push_back(figure->name);
   }
-  if (!gnuplot) return names.empty() ? "" : "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
+  if (!gnuplot) return names.empty() ? "" : gnuplot_missing();
   return draw(*gnuplot, folder.path() / "figures", names);
 }
 
@@ -367,6 +369,9 @@ ReportOutcome write_report(const ReportOptions& options) {
   if (!options.data.empty() && options.scene) {
     throw std::invalid_argument("a report is either on data files or on a scene; both were given");
   }
+#ifdef FRACFIT_BROWSER
+  if (options.data.empty()) throw std::invalid_argument(gnuplot_missing());
+#endif
   refuse_inputs_in_folder(options);
   StagedFolder folder(options.out);
   Stages stages(options);

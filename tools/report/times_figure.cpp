@@ -55,7 +55,9 @@ std::optional<Figure> times_figure(const std::string& name, const frac::Frequenc
   panel.key = true;
   add_times("data", 0, within_band(times, data), true, panel);
   make_room_for_ranges(panel);
-  return Figure{name, prose("data", "times"), {std::move(panel)}};
+  Figure figure{name, prose("data", "times"), {std::move(panel)}};
+  figure.link = name;
+  return figure;
 }
 
 }  // namespace report

@@ -294,10 +294,11 @@ FitResult no_worse_than_contained(const Data& data, const Structure& structure, 
       // It is not allowed where the user wants the richer one.
     }
   };
-  for (const auto& [preset, where] : contained_presets(structure, limits)) {
+  for (const auto& contained : contained_presets(structure, limits)) {
+    const NamedModel& preset = *contained.preset;
     OptionsOf<Data> of_contained = options;
-    of_contained.constraints = constraints_on(*preset, structure, where, options.constraints);
-    compare([&] { return unprofiled_fit(data, Structure(preset->formula), of_contained); }, rounding);
+    of_contained.constraints = constraints_on(preset, structure, contained.where, options.constraints);
+    compare([&] { return unprofiled_fit(data, Structure(preset.formula), of_contained); }, rounding);
   }
   for (const Structure& contained : without_a_term(structure)) {
     OptionsOf<Data> of_contained = options;

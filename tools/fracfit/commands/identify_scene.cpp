@@ -172,8 +172,9 @@ class IdentifyScene : public Command {
     bool all_measured = true;
     std::size_t source = 0;
     std::string body = body_ ? std::string(backlash::to_string(*body_)) : "";
-    for (const auto& [name, rows] : sources()) {
-      reading_.rows = rows;
+    for (const CurveSource& of : sources()) {
+      const std::string& name = of.file;
+      reading_.rows = of.rows;
       auto file = io::read_frequency_response(name, reading_);
       for (const auto& note : file.notes) say(name + ": " + note);
       if (scene_.weight == frac::Weight::given && file.data.sigma().empty())

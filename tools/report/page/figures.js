@@ -51,7 +51,8 @@
     }
     if (lowest > highest) [lowest, highest] = [0, 1];
     const pad = highest > lowest ? 0.04 * (highest - lowest) : 0.05 * Math.abs(highest) || 1;
-    return [lowest - pad, highest + pad];
+    const end = panel[name].to;
+    return [lowest - pad, end === undefined ? highest + pad : to(panel[name], end)];
   }
   function widened([a, b], length) {
     const middle = (a + b) / 2;

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Puts the program, the script round it and the example into the places that the page keeps for them.
+cmake_minimum_required(VERSION 3.22)
+file(READ ${PAGE} page)
+foreach(each SCRIPT PROGRAM EXAMPLE)
+  file(READ ${${each}} content)
+  string(REPLACE "</script" "<\\/script" content "${content}")
+  string(FIND "${page}" "@${each}@" place)
+  string(LENGTH "@${each}@" length)
+  string(SUBSTRING "${page}" 0 ${place} before)
+  math(EXPR place "${place} + ${length}")
+  string(SUBSTRING "${page}" ${place} -1 after)
+  set(page "${before}${content}${after}")
+endforeach()
+file(WRITE ${OUTPUT} "${page}")
