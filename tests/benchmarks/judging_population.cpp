@@ -4,7 +4,7 @@
 // it (the bound is defined in judging/evidence_bound.hpp, for records in judging/record_bound.hpp).  It shares no code
 // with the library: neither responses, nor fits, nor random numbers.
 //
-// Usage: judging_population DIRECTORY SEED REPEATS [time]
+// Usage: judging_population DIRECTORY SEED REPEATS [time|smooth]
 //        judging_population --smoke
 #include <algorithm>
 #include <cmath>
@@ -46,6 +46,15 @@ Setting draw_setting(RandomNumbers& random, int repeat) {
   return setting;
 }
 
+/// The same with white noise of 0.1 to 1 % beside a smooth error, whose sizes come equally often.
+Setting draw_smooth_setting(RandomNumbers& random, int repeat) {
+  Setting setting = draw_setting(random, repeat);
+  setting.noise = "smooth";
+  setting.level = std::vector<double>{0.01, 0.003, 0.03}[static_cast<std::size_t>(repeat) % 3];
+  setting.beside = random.log_uniform(1e-3, 1e-2);
+  return setting;
+}
+
 std::string number(double x) {
   char text[40];
   std::snprintf(text, sizeof text, "%.17g", x);
@@ -71,7 +80,8 @@ constexpr const char* kTruthHeader =
     "theory,log_odds,deviation,rational_order,rational_delay,rational_loss,fractional_rival,fractional_loss\n";
 
 /// One file per line of the truth: the kind, the draw of the system and of its measurement come from one seed.
-void write_files(const std::filesystem::path& folder, std::uint64_t seed, int repeats) {
+void write_files(const std::filesystem::path& folder, std::uint64_t seed, int repeats,
+                 Setting (*draw)(RandomNumbers&, int) = draw_setting) {
   std::filesystem::create_directories(folder);
   std::ofstream truth(folder / "truth.csv");
   truth << kTruthHeader;
@@ -83,7 +93,7 @@ void write_files(const std::filesystem::path& folder, std::uint64_t seed, int re
                            static_cast<std::uint64_t>(repeat));
       random.bits();
       const System system = kind.draw(random);
-      const Setting setting = draw_setting(random, repeat);
+      const Setting setting = draw(random, repeat);
       const double gain = random.log_uniform(1e-3, 1e3) * (random.chance(0.1) ? -1 : 1);
       const double time_unit = random.log_uniform(1e-3, 1e3);
       const Curve curve = judging::measure(system, setting, random);
@@ -218,11 +228,18 @@ bool smoke() {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words == std::vector<std::string>{"--smoke"}) return smoke() ? 0 : 1;
-  if (words.size() != 3 && !(words.size() == 4 && words[3] == "time")) {
-    std::cerr << "usage: judging_population DIRECTORY SEED REPEATS [time] | judging_population --smoke\n";
+  if (words.size() != 3 && !(words.size() == 4 && (words[3] == "time" || words[3] == "smooth"))) {
+    std::cerr << "usage: judging_population DIRECTORY SEED REPEATS [time|smooth] | judging_population --smoke\n";
     return 2;
   }
-  const auto write = words.size() == 4 ? write_records : write_files;
-  write(words[0], std::strtoull(words[1].c_str(), nullptr, 10), std::atoi(words[2].c_str()));
+  const std::uint64_t seed = std::strtoull(words[1].c_str(), nullptr, 10);
+  const int repeats = std::atoi(words[2].c_str());
+  if (words.size() == 3) {
+    write_files(words[0], seed, repeats);
+  } else if (words[3] == "smooth") {
+    write_files(words[0], seed, repeats, draw_smooth_setting);
+  } else {
+    write_records(words[0], seed, repeats);
+  }
   return 0;
 }

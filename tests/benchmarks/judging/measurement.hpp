@@ -16,10 +16,13 @@ struct Setting {
   int points = 60;
   double decades = 4;
   bool imaginary_only = false;
-  /// `none`, `relative`, `additive`, `mixed`, `correlated`, `outliers` or `rounded`.
+  /// `none`, `relative`, `additive`, `mixed`, `correlated`, `outliers`, `rounded` or `smooth`.
   std::string noise = "none";
-  /// Root mean square of the complex error over |G| (over the median of |G| for `additive`).
+  /// Root mean square of the complex error over |G| (over the median of |G| for `additive`; of the smooth one for
+  /// `smooth`).
   double level = 0;
+  /// The same of the white noise beside a smooth error.
+  double beside = 0;
 };
 
 struct Curve {
@@ -27,7 +30,7 @@ struct Curve {
   std::vector<double> omega;
   std::vector<Complex> exact;
   std::vector<Complex> measured;
-  /// True standard deviations of the real and of the imaginary part; outliers do not count.
+  /// True standard deviations of the real and of the imaginary part; outliers and smooth errors do not count.
   std::vector<double> sigma_real;
   std::vector<double> sigma_imaginary;
   /// Correlation of neighbouring errors.
