@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/wide_vectors.hpp"
 #include "frac/cancellation.hpp"
 #include "identification/statistics/information.hpp"
 
@@ -89,28 +90,23 @@ ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRu
 }
 
 void ProjectedData::put(const Eigen::Ref<const Eigen::VectorXcd>& values, Eigen::Ref<Eigen::VectorXd> column) const {
-  const Index points = values.size();
-  switch (form_) {
-    case ResidualForm::real:
-      column = weight_.cwiseProduct(values.real());
-      break;
-    case ResidualForm::imaginary:
-      column = weight_.cwiseProduct(values.imag());
-      break;
-    default:
-      column.head(points) = weight_.cwiseProduct(values.real());
-      column.tail(points) = weight_.cwiseProduct(values.imag());
-      break;
-  }
+  thread_local std::vector<double> unseen;
+  unseen.resize(static_cast<std::size_t>(values.size()));
+  put(values.data(), column.data(), unseen.data());
 }
 
-double ProjectedData::unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const {
-  const auto of = [this](const auto& unseen) {
-    const auto weighted = weight_.cwiseProduct(unseen);
-    const double length = weighted.norm();
-    return is_in_range(length) ? length : weighted.stableNorm();
-  };
-  return form_ == ResidualForm::real ? of(values.imag()) : of(values.real());
+void ProjectedData::put(const Complex* values, double* seen, double* unseen) const {
+  const auto* const parts = reinterpret_cast<const double*>(values);
+  const Index points = weight_.size();
+  const double* const weight = weight_.data();
+  double* const re = form_ == ResidualForm::imaginary ? unseen : seen;
+  double* const im = form_ == ResidualForm::imaginary ? seen : form_ == ResidualForm::real ? unseen : seen + points;
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    for (Index i = 0; i < points; ++i) {
+      re[i] = weight[i] * parts[2 * i];
+      im[i] = weight[i] * parts[2 * i + 1];
+    }
+  });
 }
 
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
@@ -128,12 +124,15 @@ Eigen::ArrayXcd ProjectedData::delayed(double time) const {
 
 std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::MatrixXcd& columns) const {
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
-  Eigen::VectorXd length(columns.cols());
+  Eigen::VectorXd length(columns.cols()), unseen(weight_.size());
+  const auto length_of = [](const auto& column) {
+    const double fast = column.norm();
+    return is_in_range(fast) ? fast : column.stableNorm();
+  };
   for (Index k = 0; k < columns.cols(); ++k) {
-    put(columns.col(k), matrix.col(k));
-    length[k] = matrix.col(k).norm();
-    if (!is_in_range(length[k])) length[k] = matrix.col(k).stableNorm();
-    const double whole = one_part() ? std::hypot(length[k], unseen_length(columns.col(k))) : length[k];
+    put(columns.col(k).data(), matrix.col(k).data(), unseen.data());
+    length[k] = length_of(matrix.col(k));
+    const double whole = one_part() ? std::hypot(length[k], length_of(unseen)) : length[k];
     if (!std::isfinite(whole)) return std::nullopt;
     // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
     if (length[k] > 1e-12 * whole) {
@@ -201,7 +200,12 @@ NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivati
   Eigen::MatrixXd jacobian(linear.residual.size(), derivatives.cols());
   for (Index k = 0; k < derivatives.cols(); ++k) put(derivatives.col(k), jacobian.col(k));
   remove_span(linear.orthonormal, jacobian);
-  return {jacobian.transpose() * jacobian, jacobian.transpose() * linear.residual};
+  NormalEquations result{Eigen::MatrixXd(jacobian.cols(), jacobian.cols()), jacobian.transpose() * linear.residual};
+  // Eigen's product is made for large matrices.
+  for (Index k = 0; k < jacobian.cols(); ++k) {
+    for (Index j = 0; j <= k; ++j) result.matrix(j, k) = result.matrix(k, j) = jacobian.col(j).dot(jacobian.col(k));
+  }
+  return result;
 }
 
 // From 0 towards the least cost as far as the first bound, on along it, and off bounds that hold back no longer: each

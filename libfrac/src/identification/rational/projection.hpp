@@ -114,8 +114,8 @@ class ProjectedData {
   [[nodiscard]] std::vector<double> sizes(const Linear& linear) const;
 
  private:
-  /// Length of the weighted part that is not fitted where one is.
-  [[nodiscard]] double unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const;
+  /// The same, with the weighted part that is not fitted where one is.
+  void put(const std::complex<double>* values, double* seen, double* unseen) const;
 
   ResidualForm form_;
   double centre_, log_lower_, end_slope_;

@@ -254,16 +254,13 @@ std::vector<TermFit> TermProblem::along(const TermSum& sum, const std::vector<Te
   return fits;
 }
 
-std::vector<TermFit> TermProblem::along_gaining(const TermSum& sum, const std::vector<Term>& terms) const {
-  Linear linear;
+std::vector<TermFit> TermProblem::along_gaining(const TermSum& sum, const Linear& linear,
+                                                const std::vector<Term>& terms, Eigen::MatrixXd further) const {
   std::vector<TermFit> fits = with_each(sum, terms);
-  if (!solve(columns(sum), linear)) return fits;
-  std::optional<Weighted> further = weighted(columns(terms));
-  if (!further) return fits;
   // The second time takes what rounding of the first has left.
-  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, further->matrix);
+  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, further);
   for (std::size_t k = 0; k < terms.size(); ++k) {
-    const auto column = further->matrix.col(static_cast<Index>(k));
+    const auto column = further.col(static_cast<Index>(k));
     const double length = column.norm(), along = column.dot(linear.residual);
     constexpr double rounding = 1e-11;
     // The residual is model less data, so that a positive coefficient goes against it.
