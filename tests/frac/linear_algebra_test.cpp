@@ -7,6 +7,8 @@
 #include <array>
 #include <random>
 
+#include "base/gram_schmidt.hpp"
+
 namespace {
 
 using frac::detail::PlainQr;
@@ -53,6 +55,43 @@ TEST(ShortestSolution, IsZeroForAZeroMatrix) {
   const Eigen::MatrixXd solution =
       frac::detail::shortest_solution(Eigen::MatrixXd::Zero(3, 2), Eigen::MatrixXd::Ones(3, 1));
   EXPECT_EQ(solution, Eigen::MatrixXd::Zero(2, 1));
+}
+
+// Against Householder's reflections, of random columns of which the third is nearly and the last exactly in the space
+// of others.
+TEST(Orthonormalised, AgreesWithReflections) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    for (const Eigen::Index rows : {7, 8, 33}) {
+      Eigen::MatrixXd columns = random_matrix(rows, 6, seed);
+      columns.col(2) = columns.col(0) - 2 * columns.col(1) + 1e-7 * columns.col(2);
+      columns.col(5) = columns.col(3) + columns.col(4);
+      const Eigen::VectorXd vector = random_matrix(rows, 1, seed + 100);
+      const frac::detail::Orthonormalised apart = frac::detail::orthonormalised(columns, vector, 1e-11);
+      const frac::detail::PivotedQr reflected(columns, 1e-11);
+      ASSERT_EQ(apart.basis.cols(), 5);
+      // Twice orthogonalised: orthonormal to rounding although a column lies at 1e-7 of its length from the others.
+      EXPECT_LT((apart.basis.transpose() * apart.basis - Eigen::MatrixXd::Identity(5, 5)).norm(), 1e-13);
+      Eigen::MatrixXd in_order(rows, 6);
+      for (Eigen::Index k = 0; k < 6; ++k) in_order.col(k) = columns.col(apart.order[static_cast<std::size_t>(k)]);
+      EXPECT_LT((apart.basis * apart.triangle.topRows(5) - in_order).norm(), 1e-13);
+      // A direction is known to 1e7 times rounding, and that times the condition of the others.
+      const Eigen::MatrixXd basis = reflected.basis();
+      EXPECT_LT((apart.rest - (vector - basis * (basis.transpose() * vector))).norm(), 1e-7);
+      EXPECT_LT((apart.basis * apart.share + apart.rest - vector).norm(), 1e-13);
+      EXPECT_LT((columns * apart.solution() + apart.rest - vector).norm(), 1e-7);
+      EXPECT_EQ((apart.solution().array() != 0).count(), 5);
+    }
+  }
+}
+
+TEST(RemoveSpan, LeavesWhatIsBesideTheBasis) {
+  for (const Eigen::Index rows : {5, 12, 31}) {
+    const Eigen::MatrixXd basis = frac::detail::PivotedQr(random_matrix(rows, 3, 1)).basis();
+    Eigen::MatrixXd columns = random_matrix(rows, 6, 2);
+    const Eigen::MatrixXd expected = columns - basis * (basis.transpose() * columns);
+    frac::detail::remove_span(basis, columns);
+    EXPECT_LT((columns - expected).norm(), 1e-13);
+  }
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ TEST(Elements, DerivativesOfTheirColumnsAreThoseOfDifferences) {
     const frac::detail::TermSum sum{term};
     frac::detail::ProjectedData::Linear linear;
     linear.coefficients = Eigen::VectorXd::Ones(1);
+    linear.columns = problem.columns(sum);
     const Eigen::MatrixXcd derivatives = problem.derivatives(sum, linear);
     ASSERT_EQ(static_cast<std::size_t>(derivatives.cols()), term.nonlinear());
     for (Eigen::Index k = 0; k < derivatives.cols(); ++k) {

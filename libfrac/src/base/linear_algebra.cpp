@@ -110,8 +110,4 @@ Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::Vect
   return matrix.ldlt().solve(right);
 }
 
-void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns) {
-  columns -= basis * (basis.transpose() * columns).eval();
-}
-
 }  // namespace frac::detail

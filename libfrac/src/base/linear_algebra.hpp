@@ -91,7 +91,4 @@ struct RightSingularVectors {
 /// Solution for a symmetric matrix that is not indefinite, by L D L'; only the lower triangle is read.
 [[nodiscard]] Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 
-/// Takes from the columns what lies in the space of an orthonormal basis.
-void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns);
-
 }  // namespace frac::detail

@@ -24,6 +24,7 @@ namespace frac::detail {
 namespace {
 
 constexpr double rounding = 1e-9;  // of costs, and of values that follow from one another
+constexpr double hardly_anything = 1e-6, nearly_nothing = 1e-14, nothing = 1e-18;
 
 std::vector<double> values_of(const FitResult& fit, const Structure& structure) {
   std::vector<double> values;
@@ -133,20 +134,26 @@ std::vector<ParameterConstraint> constraints_on(const NamedModel& preset, const 
   return result;
 }
 
+/// Where a structure is another one at its optimum.
+std::optional<Containment> containment_of(const Structure& structure, const std::vector<ParameterLimits>& limits,
+                                          const FitResult& simple) {
+  const Structure contained(simple.model);
+  const std::vector<double> values = values_of(simple, contained);
+  const double gain = std::abs(contained.response(values, simple.centre_omega));
+  return contained_in(structure, limits, contained, values, gain, simple.centre_omega);
+}
+
 /// @param solve  fits a structure under options with start values
 template <class Options, class Solve>
 std::optional<FitResult> from_contained(const FitResult& rich, const FitResult& simple, const Options& options,
                                         const Solve& solve) {
-  const Structure structure(rich.model), contained(simple.model);
-  const std::vector<double> values = values_of(simple, contained);
-  const double gain = std::abs(contained.response(values, simple.centre_omega));
-  const std::optional<Containment> found =
-      contained_in(structure, limits_in_force(rich), contained, values, gain, simple.centre_omega);
+  const Structure structure(rich.model);
+  const std::optional<Containment> found = containment_of(structure, limits_in_force(rich), simple);
   if (!found) return std::nullopt;
   std::optional<FitResult> best;
   // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
   // above the simpler optimum, at what changes no cost.
-  for (const double smallness : {1e-6, 1e-14}) {
+  for (const double smallness : {hardly_anything, nearly_nothing}) {
     const std::vector<double> start = found->at(smallness);
     Options warm = options;
     warm.global_start = false;
@@ -262,6 +269,12 @@ std::vector<const NamedModel*> largest_contained(const Structure& structure,
     if (!inside) largest.push_back(simple);
   }
   return largest;
+}
+
+std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, const FitResult& simple) {
+  const std::optional<Containment> found = containment_of(Structure(rich.formula), limits_of(rich), simple);
+  // Beside an exact law what vanishes only as a limit has vanished.
+  return found ? std::optional(found->at(simple.relative_rms <= rounding ? nothing : hardly_anything)) : std::nullopt;
 }
 
 template <class Data>

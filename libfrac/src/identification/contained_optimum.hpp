@@ -21,6 +21,10 @@ namespace frac::detail {
 [[nodiscard]] std::vector<const NamedModel*> largest_contained(const Structure& structure,
                                                                const std::vector<ParameterLimits>& limits);
 
+/// Where a structure is another one at its optimum, or next to it where it is that as a limit; empty where it is not
+/// within its limits.
+[[nodiscard]] std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, const FitResult& simple);
+
 /// A fit of the richer structure started where it is the simpler one at its optimum, or next to it where it is that as
 /// a limit.  Empty where it may not start there or is no such structure.
 /// @param rich, simple  of the same data and options

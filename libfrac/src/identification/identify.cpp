@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <type_traits>
 
+#include "frac/identification/constraints.hpp"
 #include "frac/parallel_for.hpp"
 #include "identification/background_advice.hpp"
 #include "identification/contained_optimum.hpp"
@@ -146,13 +148,30 @@ void resolve(const Data& data, const Options& options, detail::RatioGrowths& rat
   take(*members.set_aside, *outcome.set_aside);
 }
 
+/// Where the model is the best of the structures fitted before that it contains, at their optimum.
+std::optional<std::vector<double>> start_at_contained(const NamedModel& model, std::vector<const Outcome*> fitted) {
+  std::erase_if(fitted, [](const Outcome* each) { return !each->fit; });
+  std::stable_sort(fitted.begin(), fitted.end(),
+                   [](const Outcome* a, const Outcome* b) { return a->fit->cost < b->fit->cost; });
+  for (const Outcome* simple : fitted) {
+    if (auto start = detail::start_from_contained(model, *simple->fit)) return start;
+  }
+  return std::nullopt;
+}
+
 /// The fit of a formula, or of the member of a family that was chosen.
+/// @param fitted  models with fewer parameters
 template <class Data, class Options>
-void fit_formula(const Data& data, Options options, double hopeless, Outcome& outcome) {
+void fit_formula(const Data& data, Options options, double hopeless, const std::vector<const Outcome*>& fitted,
+                 Outcome& outcome) {
   options.global_start = !outcome.from_family;
+  const bool is_free = options.constraints.empty();  // else limits of the user's may leave no such place
   const auto& own = outcome.model.constraints;
   options.constraints.insert(options.constraints.end(), own.begin(), own.end());
   const Structure structure(outcome.model.formula);
+  const auto start = options.global_start && is_free ? start_at_contained(outcome.model, fitted) : std::nullopt;
+  for (std::size_t i = 0; start && i < start->size(); ++i)
+    constraint_of(options.constraints, structure.parameter_names()[i]).start = (*start)[i];
   // Intervals that follow the cost decide about orders, which rational models have none of.  Those of the many
   // coefficients of a grown model say nothing of a part of the system.
   const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
@@ -169,6 +188,15 @@ void fit_formula(const Data& data, Options options, double hopeless, Outcome& ou
   }
 }
 
+/// 0 where the formula is none, which its fit will say.
+std::size_t parameters_of(const NamedModel& model) {
+  try {
+    return Structure(model.formula).parameter_names().size();
+  } catch (const std::invalid_argument&) {
+    return 0;
+  }
+}
+
 bool has_dead_time(const NamedModel& model) {
   return model.is_family() ? model.rational && model.rational->dead_time
                            : detail::has_dead_time(Structure(model.formula));
@@ -176,9 +204,10 @@ bool has_dead_time(const NamedModel& model) {
 
 /// The fit of a candidate.
 /// @param growing  options in which families grow
+/// @param fitted   outcomes of models with fewer parameters
 template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, const Options& growing, double hopeless,
-                   detail::RatioGrowths& ratios, Outcome& outcome) {
+                   detail::RatioGrowths& ratios, const std::vector<const Outcome*>& fitted, Outcome& outcome) {
   try {
     if constexpr (detail::is_response<Data>) {
       if (options.assumptions.dead_time == false && has_dead_time(outcome.model)) {
@@ -188,8 +217,8 @@ void fit_candidate(const Data& data, const Options& options, const Options& grow
       }
     }
     if (outcome.model.is_family()) resolve(data, growing, ratios, outcome);
-    fit_formula(data, options, hopeless, outcome);
-    if (outcome.set_aside) fit_formula(data, options, hopeless, *outcome.set_aside);
+    fit_formula(data, options, hopeless, fitted, outcome);
+    if (outcome.set_aside) fit_formula(data, options, hopeless, fitted, *outcome.set_aside);
   } catch (const std::invalid_argument& error) {
     outcome.reason = error.what();
   }
@@ -212,7 +241,8 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
                    [&](const Outcome* a, const Outcome* b) { return parameters(a) < parameters(b); });
   for (Outcome* rich : fitted) {
     std::vector<const Outcome*> better;
-    constexpr double rounding = 1e-9;
+    constexpr double rounding = 1e-9, exact = 1e-12;
+    if (rich->fit->relative_rms <= exact) continue;  // nothing is lower but by rounding
     for (const Outcome* simple : fitted) {
       if (parameters(simple) <= parameters(rich) && simple->fit->cost < rich->fit->cost * (1 - rounding))
         better.push_back(simple);
@@ -274,14 +304,22 @@ FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedMode
   const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());
   double hopeless = std::numeric_limits<double>::infinity();
   parallel_for(families, threads,
-               [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, outcomes[i]); });
+               [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, {}, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
     for (const Outcome* each = &outcomes[i]; each; each = each->set_aside.get()) {
       if (each->fit) hopeless = std::min(hopeless, by_far(each->fit->residuals) * each->fit->cost);
     }
   }
-  parallel_for(outcomes.size() - families, threads,
-               [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, outcomes[families + i]); });
+  // Those of few parameters first: others start from their optima, too, which over time would be short of a search.
+  std::map<std::size_t, std::vector<Outcome*>> by_parameters;
+  for (std::size_t i = families; i < outcomes.size(); ++i)
+    by_parameters[detail::is_response<Data> ? parameters_of(outcomes[i].model) : 0].push_back(&outcomes[i]);
+  std::vector<const Outcome*> fitted;
+  for (const auto& [count, alike] : by_parameters) {
+    parallel_for(alike.size(), threads,
+                 [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, fitted, *alike[i]); });
+    fitted.insert(fitted.end(), alike.begin(), alike.end());
+  }
   std::vector<Outcome> others;
   for (const Outcome& outcome : outcomes) {
     if (outcome.set_aside) others.push_back(*outcome.set_aside);

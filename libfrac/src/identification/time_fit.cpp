@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "base/gram_schmidt.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"

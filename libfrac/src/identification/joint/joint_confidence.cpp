@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/gram_schmidt.hpp"
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/residuals/loss.hpp"

@@ -94,7 +94,9 @@ bool contains(const TermSum& sum, const Term& power) {
 class ElementGrowth {
  public:
   ElementGrowth(const TermProblem& problem, PassiveResponse response)
-      : problem_(problem), response_(response), catalogue_(catalogue(problem, response)) {}
+      : problem_(problem), response_(response), catalogue_(catalogue(problem, response)) {
+    for (const Line& line : catalogue_) seen_.push_back(problem.weighted(problem.columns(line)));
+  }
 
   [[nodiscard]] double value(const TermFit& fit) const { return element_value(problem_, response_, fit); }
 
@@ -114,9 +116,13 @@ class ElementGrowth {
   /// Appends the sum with one more element, of each kind at its best place.
   void extend(const TermSum& sum, std::vector<TermFit>& refined) const {
     std::vector<TermFit> starts;
-    for (const Line& line : catalogue_) {
+    TermProblem::Linear linear;
+    if (!problem_.solve(problem_.columns(sum), linear)) return;
+    for (std::size_t k = 0; k < catalogue_.size(); ++k) {
+      const Line& line = catalogue_[k];
+      if (!seen_[k]) continue;
       if (line.front().held && line.front().kind == Kind::power && contains(sum, line.front())) continue;
-      std::vector<TermFit> along = problem_.along_gaining(sum, line);
+      std::vector<TermFit> along = problem_.along_gaining(sum, linear, line, seen_[k]->matrix);
       starts.push_back(std::move(*std::min_element(along.begin(), along.end(), costs_less)));
     }
     std::stable_sort(starts.begin(), starts.end(), costs_less);
@@ -213,6 +219,7 @@ class ElementGrowth {
   const TermProblem& problem_;
   PassiveResponse response_;
   std::vector<Line> catalogue_;
+  std::vector<std::optional<TermProblem::Weighted>> seen_;  // columns of each line
 };
 
 }  // namespace

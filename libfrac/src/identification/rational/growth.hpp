@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,15 @@ struct GrowthLadder {
   [[nodiscard]] const Fit& best() const { return fits.at(chosen); }
 };
 
+/// The cost at which a fit would have a value, that is by its cost n ln(cost), or no more than a least one, and more.
+template <class Fit, class Value>
+double cost_of_value(Fit fit, const Value& value_of, double value) {
+  const double cost = fit.cost, here = value_of(fit);
+  fit.cost *= std::numbers::e;
+  const double n = value_of(fit) - here;
+  return n > 0 ? cost * std::exp((value - here) / n) : std::numeric_limits<double>::infinity();
+}
+
 /// The fit without what does not pay for itself: of all moves from it the one of least value is taken, as long as there
 /// is one of less.
 /// @param shape     what problem.refine(shape, effort) starts from
@@ -42,7 +53,8 @@ Fit without_idle(const Problem& problem, Fit best, Shape Fit::*shape, const Valu
     bool better = false;
     Fit next = best;
     for (Shape& move : moves_of(best, round)) {
-      Fit tried = problem.refine(std::move(move), scouting);
+      const double wanted = cost_of_value(problem.refine(move, {0, scouting.tolerance}), value_of, value);
+      Fit tried = problem.refine(std::move(move), scouting.in_reach_of(wanted));
       if (!(value_of(tried) < value)) continue;
       value = value_of(tried);
       next = std::move(tried);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/wide_vectors.hpp"
 #include "frac/cancellation.hpp"
 #include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
@@ -32,6 +33,36 @@ double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd
   const Eigen::ArrayXd at = Eigen::Map<const Eigen::ArrayXd>(log_omega.data(), value.size()).tail(count);
   const Eigen::ArrayXd about = at - at.mean();
   return (about * size).sum() / about.square().sum();
+}
+
+/// The way to the least linearised cost by some of the parameters: the solution x of (part + least) x = -slope, by
+/// L D L'.
+void solve_part(const NormalEquations& normal, const Eigen::VectorXd& slope, const std::vector<Index>& parameters,
+                double least, std::vector<double>& x) {
+  const std::size_t count = parameters.size();
+  std::vector<double> factor(count * count), pivot(count);
+  x.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    double* const row = factor.data() + i * count;
+    double diagonal = normal.matrix(parameters[i], parameters[i]) + least, right = -slope[parameters[i]];
+    for (std::size_t j = 0; j < i; ++j) {
+      double product = normal.matrix(parameters[i], parameters[j]);
+      for (std::size_t k = 0; k < j; ++k) product -= row[k] * factor[j * count + k];
+      row[j] = product;  // of L D, until the row is complete
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const double lower = row[j] / pivot[j];
+      diagonal -= lower * row[j];
+      right -= lower * x[j];
+      row[j] = lower;
+    }
+    pivot[i] = std::max(diagonal, least);
+    x[i] = right;
+  }
+  for (std::size_t i = count; i-- > 0;) {
+    x[i] /= pivot[i];
+    for (std::size_t j = i + 1; j < count; ++j) x[i] -= factor[j * count + i] * x[j];
+  }
 }
 
 }  // namespace
@@ -79,35 +110,36 @@ void ProjectedData::take_band(const std::vector<double>& omega) {
 }
 
 void ProjectedData::put(const Eigen::Ref<const Eigen::VectorXcd>& values, Eigen::Ref<Eigen::VectorXd> column) const {
-  if (record_) return record_->put(values.real(), column);
-  const Index points = values.size();
-  switch (form_) {
-    case ResidualForm::real:
-      column = weight_.cwiseProduct(values.real());
-      break;
-    case ResidualForm::imaginary:
-      column = weight_.cwiseProduct(values.imag());
-      break;
-    default:
-      column.head(points) = weight_.cwiseProduct(values.real());
-      column.tail(points) = weight_.cwiseProduct(values.imag());
-      break;
+  if (record_) {
+    record_->put(values.real(), column);
+    return;
   }
+  thread_local std::vector<double> unseen;
+  unseen.resize(static_cast<std::size_t>(values.size()));
+  put(values.data(), column.data(), unseen.data());
 }
 
-double ProjectedData::unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const {
-  const auto of = [this](const auto& unseen) {
-    const auto weighted = weight_.cwiseProduct(unseen);
-    const double length = weighted.norm();
-    return is_in_range(length) ? length : weighted.stableNorm();
-  };
-  return form_ == ResidualForm::real ? of(values.imag()) : of(values.real());
+void ProjectedData::put(const Complex* values, double* seen, double* unseen) const {
+  const auto* const parts = reinterpret_cast<const double*>(values);
+  const Index points = weight_.size();
+  const double* const weight = weight_.data();
+  double* const re = form_ == ResidualForm::imaginary ? unseen : seen;
+  double* const im = form_ == ResidualForm::imaginary ? seen : form_ == ResidualForm::real ? unseen : seen + points;
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    for (Index i = 0; i < points; ++i) {
+      re[i] = weight[i] * parts[2 * i];
+      im[i] = weight[i] * parts[2 * i + 1];
+    }
+  });
 }
 
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
   Eigen::ArrayXd size(s_.size());
   grid_.powers(order, 0, {size.data(), static_cast<std::size_t>(size.size())});
-  return size.cast<Complex>() * std::polar(std::exp(order * shift), order * std::numbers::pi / 2);
+  const Complex factor = std::polar(std::exp(order * shift), order * std::numbers::pi / 2);
+  Eigen::ArrayXcd values(size.size());
+  for (Index i = 0; i < size.size(); ++i) values[i] = {size[i] * factor.real(), size[i] * factor.imag()};
+  return values;
 }
 
 Eigen::ArrayXcd ProjectedData::delayed(double time) const {
@@ -115,20 +147,28 @@ Eigen::ArrayXcd ProjectedData::delayed(double time) const {
 }
 
 std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::MatrixXcd& columns) const {
-  if (!columns.allFinite()) return std::nullopt;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
-  for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
-  Eigen::VectorXd length = matrix.colwise().norm();
-  if (!std::all_of(length.begin(), length.end(), is_in_range)) length = matrix.colwise().stableNorm();
-  if (!length.allFinite()) return std::nullopt;
-  // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
-  for (Index k = 0; k < length.size(); ++k) {
-    const double whole = one_part() ? std::hypot(length[k], unseen_length(columns.col(k))) : length[k];
-    if (length[k] > 1e-12 * whole) continue;
-    matrix.col(k).setZero();
-    length[k] = 1;
+  Eigen::VectorXd length(columns.cols()), unseen(weight_.size());
+  const auto length_of = [](const auto& column) {
+    const double fast = column.norm();
+    return is_in_range(fast) ? fast : column.stableNorm();
+  };
+  for (Index k = 0; k < columns.cols(); ++k) {
+    if (record_)
+      record_->put(columns.col(k).real(), matrix.col(k));
+    else
+      put(columns.col(k).data(), matrix.col(k).data(), unseen.data());
+    length[k] = length_of(matrix.col(k));
+    const double whole = one_part() ? std::hypot(length[k], length_of(unseen)) : length[k];
+    if (!std::isfinite(whole)) return std::nullopt;
+    // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
+    if (length[k] > 1e-12 * whole) {
+      matrix.col(k) *= 1 / length[k];
+    } else {
+      matrix.col(k).setZero();
+      length[k] = 1;
+    }
   }
-  matrix *= length.cwiseInverse().asDiagonal();
   return Weighted{std::move(matrix), std::move(length)};
 }
 
@@ -137,33 +177,31 @@ std::optional<ProjectedData::Projection> ProjectedData::project(const Eigen::Mat
   if (columns.cols() > target_.size()) return std::nullopt;
   std::optional<Weighted> seen = weighted(columns);
   if (!seen) return std::nullopt;
-  PivotedQr decomposition(seen->matrix, 1e-11);
-  if (decomposition.rank() == 0) return std::nullopt;
-  Eigen::MatrixXd orthonormal = decomposition.basis();
-  const Eigen::VectorXd share = orthonormal.transpose() * target_;
-  Eigen::VectorXd residual = orthonormal * share - target_;
-  if (!residual.allFinite()) return std::nullopt;
-  const double cost = residual.squaredNorm();
-  return Projection{std::move(decomposition), std::move(seen->length), std::move(orthonormal), std::move(residual),
-                    cost};
+  Orthonormalised apart = orthonormalised(std::move(seen->matrix), target_, 1e-11);
+  if (apart.basis.cols() == 0) return std::nullopt;
+  const double cost = apart.rest.squaredNorm();
+  if (!std::isfinite(cost)) return std::nullopt;
+  return Projection{std::move(apart), std::move(seen->length), cost};
 }
 
-bool ProjectedData::complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const {
-  linear.coefficients = projection.decomposition.solve(target_).cwiseQuotient(projection.length);
+bool ProjectedData::complete(Eigen::MatrixXcd columns, Projection&& projection, Linear& linear) const {
+  linear.coefficients = projection.columns.solution().cwiseQuotient(projection.length);
   linear.model = columns * linear.coefficients.cast<Complex>();
-  linear.orthonormal = std::move(projection.orthonormal);
-  linear.residual = std::move(projection.residual);
+  linear.orthonormal = std::move(projection.columns.basis);
+  linear.residual = -projection.columns.rest;
   linear.cost = projection.cost;
+  linear.columns = std::move(columns);
   return linear.model.allFinite();
 }
 
-bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+bool ProjectedData::solve(Eigen::MatrixXcd columns, Linear& linear) const {
   if (columns.cols() == 0) {
-    linear = {Eigen::MatrixXd(target_.size(), 0), -target_, Eigen::VectorXcd::Zero(s_.size()), {}, data_power()};
+    linear = {
+        Eigen::MatrixXd(target_.size(), 0), -target_, Eigen::VectorXcd::Zero(s_.size()), {}, columns, data_power()};
     return true;
   }
   std::optional<Projection> projection = project(columns);
-  return projection && complete(columns, std::move(*projection), linear);
+  return projection && complete(std::move(columns), std::move(*projection), linear);
 }
 
 double ProjectedData::cost_with(const Linear& linear, const Eigen::MatrixXcd& further) const {
@@ -189,7 +227,12 @@ NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivati
   Eigen::MatrixXd jacobian(linear.residual.size(), derivatives.cols());
   for (Index k = 0; k < derivatives.cols(); ++k) put(derivatives.col(k), jacobian.col(k));
   remove_span(linear.orthonormal, jacobian);
-  return {jacobian.transpose() * jacobian, jacobian.transpose() * linear.residual};
+  NormalEquations result{Eigen::MatrixXd(jacobian.cols(), jacobian.cols()), jacobian.transpose() * linear.residual};
+  // Eigen's product is made for large matrices.
+  for (Index k = 0; k < jacobian.cols(); ++k) {
+    for (Index j = 0; j <= k; ++j) result.matrix(j, k) = result.matrix(k, j) = jacobian.col(j).dot(jacobian.col(k));
+  }
+  return result;
 }
 
 // From 0 towards the least cost as far as the first bound, on along it, and off bounds that hold back no longer: each
@@ -202,23 +245,21 @@ Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen:
   for (Index k = 0; k < count; ++k) {
     if (lower[k] < upper[k]) free.push_back(k);
   }
+  std::vector<double> way;
   for (Index round = 0; round < 3 * count && !free.empty(); ++round) {
-    const Eigen::VectorXd slope = gradient + matrix * step;
-    Eigen::MatrixXd part = matrix(free, free);
-    part.diagonal().array() += least;
-    const Eigen::VectorXd way = -solve_symmetric(part, slope(free));
+    solve_part(*this, gradient + matrix * step, free, least, way);
     double share = 1;
     std::size_t first = free.size();
     for (std::size_t i = 0; i < free.size(); ++i) {
       const Index k = free[i];
-      const double along = way[static_cast<Index>(i)], room = (along > 0 ? upper[k] : lower[k]) - step[k];
+      const double along = way[i], room = (along > 0 ? upper[k] : lower[k]) - step[k];
       if (std::abs(along) * share <= std::abs(room)) continue;
       share = room / along;
       first = i;
     }
-    for (std::size_t i = 0; i < free.size(); ++i) step[free[i]] += share * way[static_cast<Index>(i)];
+    for (std::size_t i = 0; i < free.size(); ++i) step[free[i]] += share * way[i];
     if (first < free.size()) {
-      step[free[first]] = way[static_cast<Index>(first)] > 0 ? upper[free[first]] : lower[free[first]];
+      step[free[first]] = way[first] > 0 ? upper[free[first]] : lower[free[first]];
       held.push_back(free[first]);
       free.erase(free.begin() + static_cast<std::ptrdiff_t>(first));
       if (!free.empty()) continue;

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/linear_algebra.hpp"
+#include "base/gram_schmidt.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "identification/data/first_order_whitening.hpp"
 #include "identification/data/residual_rule.hpp"
@@ -77,6 +77,8 @@ class ProjectedData {
   [[nodiscard]] const std::vector<double>& log_omega() const { return log_omega_; }
   [[nodiscard]] const Eigen::VectorXcd& s() const { return s_; }
   [[nodiscard]] const Eigen::VectorXcd& log_s() const { return log_s_; }
+  /// |s|^order
+  void power_sizes(double order, double* sizes) const { grid_.powers(order, 0, {sizes, log_omega_.size()}); }
   /// (s e^shift)^order, all of one phase.
   [[nodiscard]] Eigen::ArrayXcd power(double order, double shift = 0) const;
   /// e^{-s time}
@@ -103,10 +105,8 @@ class ProjectedData {
   };
   /// The residual that the best coefficients of given columns leave.
   struct Projection {
-    PivotedQr decomposition;      // of the columns over their lengths
-    Eigen::VectorXd length;       // of the columns
-    Eigen::MatrixXd orthonormal;  // of the column space
-    Eigen::VectorXd residual;
+    Orthonormalised columns;  // over their lengths, and the data
+    Eigen::VectorXd length;   // of the columns
     double cost;
   };
   /// Nothing where a number overflows or no column is seen.
@@ -120,12 +120,13 @@ class ProjectedData {
     Eigen::VectorXd residual;
     Eigen::VectorXcd model;
     Eigen::VectorXd coefficients;
+    Eigen::MatrixXcd columns;
     double cost = std::numeric_limits<double>::infinity();
   };
   /// False where a number overflows.
-  bool complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const;
+  bool complete(Eigen::MatrixXcd columns, Projection&& projection, Linear& linear) const;
   /// Projects and completes at once; false where a number overflows or no column is seen.
-  bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
+  bool solve(Eigen::MatrixXcd columns, Linear& linear) const;
   /// Cost with further columns beside those of a solution; infinite where a number overflows.
   [[nodiscard]] double cost_with(const Linear& linear, const Eigen::MatrixXcd& further) const;
   /// Normal equations from derivatives at fixed coefficients, less what new coefficients take up (Kaufman 1975).
@@ -138,8 +139,8 @@ class ProjectedData {
  private:
   /// Frequencies in units of the middle of the band.
   void take_band(const std::vector<double>& omega);
-  /// Length of the weighted part that is not fitted where one is.
-  [[nodiscard]] double unseen_length(const Eigen::Ref<const Eigen::VectorXcd>& values) const;
+  /// The same of a response, with the weighted part that is not fitted where one is.
+  void put(const std::complex<double>* values, double* seen, double* unseen) const;
 
   std::optional<RecordRows> record_;
   ResidualForm form_;
@@ -165,6 +166,11 @@ class ProjectedData {
 struct Effort {
   int iterations;
   double tolerance;  // gains below this fraction of the cost are none
+  /// The cost that is of use: a search ends where it would stay above if each step left took the share of the cost that
+  /// the next one promises.
+  double below = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] Effort in_reach_of(double cost) const { return {iterations, tolerance, cost}; }
 };
 /// Effort of a fit that is to show whether a place is worth more, and of one that is to converge.
 inline constexpr Effort scouting{12, 1e-5}, thorough{60, 1e-6};
@@ -214,8 +220,10 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
       const Eigen::VectorXd step = normal.step(lower.cwiseMax(-size * moderate), upper.cwiseMin(size * moderate));
       const double expected = normal.gain(step);
       if (!(expected > effort.tolerance * linear.cost)) break;
+      const double kept = std::max(1 - expected / linear.cost, 0.0);
+      if (attempt == 0 && linear.cost * std::pow(kept, effort.iterations - iteration) > effort.below) break;
       Shape next = problem.stepped(shape, step);
-      const Eigen::MatrixXcd columns = problem.columns(next);
+      Eigen::MatrixXcd columns = problem.columns(next);
       auto projection = data.project(columns);
       const double gain = projection ? linear.cost - projection->cost : -expected;
       // The picture holds as far as the gain is what it lets expect.
@@ -226,7 +234,7 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
         size = std::min(std::max(size, 2 * used), 1.0);
       }
       ProjectedData::Linear there;
-      if (!(gain > 0) || !data.complete(columns, std::move(*projection), there)) continue;
+      if (!(gain > 0) || !data.complete(std::move(columns), std::move(*projection), there)) continue;
       small_gains = gain < effort.tolerance * linear.cost ? small_gains + 1 : 0;
       shape = std::move(next);
       linear = std::move(there);

@@ -52,7 +52,7 @@ RationalFit best_refined(const RationalProblem& problem, std::vector<RationalFit
   RationalFit best{{}, infinity, 0};
   for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
     if (!std::isfinite(starts[i].cost)) break;
-    RationalFit fit = problem.few().refine(starts[i].shape, scouting);
+    RationalFit fit = problem.few().refine(starts[i].shape, scouting.in_reach_of(best.cost));
     if (fit.cost < best.cost) best = std::move(fit);
   }
   if (std::isfinite(best.cost)) best = problem.refine(best.shape, thorough);

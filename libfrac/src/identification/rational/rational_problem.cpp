@@ -7,8 +7,10 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <utility>
 
 #include "base/polynomial.hpp"
+#include "base/wide_vectors.hpp"
 #include "identification/data/physical_properties.hpp"
 #include "identification/search/thinned.hpp"
 
@@ -22,21 +24,76 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double beyond_band = 7;
 constexpr double most_damping = 9;  // sinh(9) is 4000: two real poles seven decades apart
 
-/// z = s^order.
-Eigen::ArrayXcd powers(const ProjectedData& data, double order) {
-  if (order == 1) return data.s().array();
-  return data.power(order);
+/// z = s^order = size (along + i across) over the points, all of one phase.
+struct Power {
+  const double* size;
+  double along, across;
+};
+
+/// Values over the points, real and imaginary parts apart, which wide registers take side by side.
+struct Values {
+  double *re, *im;
+};
+
+/// Arrays of the calling thread, valid until it makes the next room.
+class Room {
+ public:
+  Room(std::size_t arrays, std::size_t points) : points_(points) {
+    thread_local std::vector<double> all;
+    if (all.size() < arrays * points) all.resize(arrays * points);
+    next_ = all.data();
+  }
+  double* array() { return std::exchange(next_, next_ + points_); }
+  Values values() {
+    double* const re = array();
+    return {re, array()};
+  }
+
+ private:
+  std::size_t points_;
+  double* next_;
+};
+
+Power power_of(const ProjectedData& data, double order, double* size) {
+  data.power_sizes(order, size);
+  if (order == 1) return {size, 0, 1};
+  return {size, std::cos(order * std::numbers::pi / 2), std::sin(order * std::numbers::pi / 2)};
 }
 
-/// (s/size)^order
-Eigen::ArrayXcd scaled(const PoleFactor& factor, const Eigen::ArrayXcd& z, double order) {
-  return z * std::exp(-order * factor.log_size);
-}
+/// A factor with its numbers: with x = scale size it is 1 + x (linear z' + x z'^2), z' = z/size, without the square
+/// unless it is a pair.
+struct FactorNumbers {
+  FactorNumbers(const PoleFactor& factor, const Power& z, double order)
+      : scale(std::exp(-order * factor.log_size)), half(std::sinh(factor.damping)) {
+    const double linear = factor.pair ? 2 * half : factor.sign;
+    re1 = linear * z.along;
+    im1 = linear * z.across;
+    if (!factor.pair) return;
+    re2 = z.along * z.along - z.across * z.across;
+    im2 = 2 * z.along * z.across;
+  }
+  double scale, half;  // of (s/w)^order over size, and sinh(damping)
+  double re1, im1, re2 = 0, im2 = 0;
 
-Eigen::ArrayXcd factor_values(const PoleFactor& factor, const Eigen::ArrayXcd& z, double order) {
-  const Eigen::ArrayXcd at = scaled(factor, z, order);
-  if (!factor.pair) return factor.sign * at + 1.0;
-  return at * at + 2 * std::sinh(factor.damping) * at + 1.0;
+  FRACFIT_INLINE double re(double x) const { return 1 + x * (re1 + x * re2); }
+  FRACFIT_INLINE double im(double x) const { return x * (im1 + x * im2); }
+};
+
+FRACFIT_INLINE inline void multiply(Values by, std::size_t points, Values values) {
+  for (std::size_t i = 0; i < points; ++i) {
+    const double re = values.re[i] * by.re[i] - values.im[i] * by.im[i];
+    values.im[i] = values.re[i] * by.im[i] + values.im[i] * by.re[i];
+    values.re[i] = re;
+  }
+}
+/// Times scale z.
+FRACFIT_INLINE inline void multiply(const Power& z, double scale, std::size_t points, Values from, Values to) {
+  const double along = scale * z.along, across = scale * z.across;
+  for (std::size_t i = 0; i < points; ++i) {
+    const double re = z.size[i] * (from.re[i] * along - from.im[i] * across);
+    to.im[i] = z.size[i] * (from.re[i] * across + from.im[i] * along);
+    to.re[i] = re;
+  }
 }
 
 /// At most `count` of the observed outputs, at one place by chance in each of as many equal parts of the record: at
@@ -101,54 +158,115 @@ void split_real_pairs(RationalShape& shape) {
   sort_by_size(shape.factors);
 }
 
-/// d ln factor / d order, of which every power (s/size)^order makes (s/size)^order ln(s/size).
-Eigen::ArrayXcd factor_by_order(const PoleFactor& factor, const Eigen::ArrayXcd& z, const Eigen::ArrayXcd& log_s,
-                                double order) {
-  const Eigen::ArrayXcd at = scaled(factor, z, order);
-  const Eigen::ArrayXcd share = at * (log_s - factor.log_size) * reciprocal(factor_values(factor, z, order));
-  if (!factor.pair) return factor.sign * share;
-  return 2 * share * (at + std::sinh(factor.damping));
-}
-
 /// The numerators of degree `degree` are spanned by the partial products of the factors, slowest first, so that each
 /// column is the response of the faster poles alone: far better conditioned than powers of z.
 /// @param with_order  whether the order is searched for
-/// @param visit  gets each column and d ln column / d order, which has no entries unless asked for
-template <class Visit>
-void visit_columns(const ProjectedData& data, const RationalShape& shape, bool with_order, const Visit& visit) {
-  const Eigen::ArrayXcd z = powers(data, shape.order), log_s = data.log_s().array();
-  Eigen::ArrayXcd column = Eigen::ArrayXcd::Ones(z.size()), by_order;
-  if (shape.delayed) column = data.delayed(shape.delay);
-  for (std::size_t i = shape.low; i < shape.integrators; ++i) column /= z;
-  for (std::size_t i = shape.integrators; i < shape.low; ++i) column *= z;
-  if (with_order) by_order = (static_cast<double>(shape.low) - static_cast<double>(shape.integrators)) * log_s;
-  std::vector<Eigen::ArrayXcd> of_factor, change;
+/// @param visit  gets each column and, if asked for, d ln column / d order
+template <bool with_order, class Visit>
+FRACFIT_INLINE inline void visit_columns(const ProjectedData& data, const RationalShape& shape, const Power& z,
+                                         Room& room, const Visit& visit) {
+  const std::size_t points = data.log_omega().size();
+  const double* const log_omega = data.log_omega().data();
+  const Values column = room.values(), next = room.values(), by_order = with_order ? room.values() : Values{};
+  if (shape.delayed) {
+    const Eigen::ArrayXcd delayed = data.delayed(shape.delay);
+    for (std::size_t i = 0; i < points; ++i) {
+      column.re[i] = delayed[static_cast<Index>(i)].real();
+      column.im[i] = delayed[static_cast<Index>(i)].imag();
+    }
+  } else {
+    std::fill_n(column.re, points, 1.0);
+    std::fill_n(column.im, points, 0.0);
+  }
+  const double excess = static_cast<double>(shape.low) - static_cast<double>(shape.integrators);
+  if (excess != 0) {
+    const Values by = room.values();
+    const Power whole = power_of(data, excess * shape.order, by.re);
+    multiply(whole, 1, points, column, column);
+  }
+  // d/d order of powers (s/size)^order is ln(s/size) times them.
+  const auto add_log = [&](double times, double log_size) FRACFIT_INLINE {
+    for (std::size_t i = 0; i < points; ++i) {
+      by_order.re[i] += times * (log_omega[i] - log_size);
+      by_order.im[i] += times * std::numbers::pi / 2;
+    }
+  };
+  if constexpr (with_order) {
+    std::fill_n(by_order.re, points, 0.0);
+    std::fill_n(by_order.im, points, 0.0);
+    add_log(excess, 0);
+  }
+  struct OfFactor {
+    FactorNumbers numbers;
+    Values value, change;
+  };
+  std::vector<OfFactor> of_factors;
+  of_factors.reserve(shape.factors.size());
   for (const PoleFactor& factor : shape.factors) {
-    of_factor.push_back(factor_values(factor, z, shape.order));
-    column *= reciprocal(of_factor.back());
-    if (!with_order) continue;
-    change.push_back(factor_by_order(factor, z, log_s, shape.order));
-    by_order -= change.back();
+    of_factors.push_back({FactorNumbers(factor, z, shape.order), room.values(), with_order ? room.values() : Values{}});
+    const auto& [numbers, value, change] = of_factors.back();
+    for (std::size_t i = 0; i < points; ++i) {
+      const double x = numbers.scale * z.size[i], re = numbers.re(x), im = numbers.im(x);
+      const double share = 1 / (re * re + im * im);
+      const double column_re = share * (column.re[i] * re + column.im[i] * im);
+      column.im[i] = share * (column.im[i] * re - column.re[i] * im);
+      column.re[i] = column_re;
+      value.re[i] = re;
+      value.im[i] = im;
+    }
+    if constexpr (with_order) {
+      for (std::size_t i = 0; i < points; ++i) {
+        // x d factor / d x = x (linear z' + 2 x z'^2), over the factor, times ln(s/size).
+        const double x = numbers.scale * z.size[i], re = value.re[i], im = value.im[i];
+        const double share = x / (re * re + im * im);
+        const double slope_re = numbers.re1 + 2 * x * numbers.re2, slope_im = numbers.im1 + 2 * x * numbers.im2;
+        const double by_log_re = share * (slope_re * re + slope_im * im),
+                     by_log_im = share * (slope_im * re - slope_re * im);
+        const double log_re = log_omega[i] - factor.log_size, log_im = std::numbers::pi / 2;
+        change.re[i] = by_log_re * log_re - by_log_im * log_im;
+        change.im[i] = by_log_re * log_im + by_log_im * log_re;
+        by_order.re[i] -= change.re[i];
+        by_order.im[i] -= change.im[i];
+      }
+    }
   }
   const std::size_t count = shape.degree - shape.low + 1;
   std::size_t filled = 0;
-  for (std::size_t i = 0; i < shape.factors.size() && filled < count; ++i) {
-    const PoleFactor& factor = shape.factors[i];
-    visit(column, by_order);
-    ++filled;
+  for (std::size_t k = 0; k < of_factors.size() && filled < count; ++k) {
+    const PoleFactor& factor = shape.factors[k];
+    visit(filled++, column, by_order);
     if (factor.pair && filled < count) {
-      const Eigen::ArrayXcd next = column * scaled(factor, z, shape.order);
-      visit(next, with_order ? Eigen::ArrayXcd(by_order + log_s - factor.log_size) : by_order);
-      ++filled;
+      multiply(z, of_factors[k].numbers.scale, points, column, next);
+      if constexpr (with_order) add_log(1, factor.log_size);
+      visit(filled++, next, by_order);
+      if constexpr (with_order) add_log(-1, factor.log_size);
     }
-    column *= of_factor[i];
-    if (with_order) by_order += change[i];
+    multiply(of_factors[k].value, points, column);
+    if constexpr (with_order) {
+      for (std::size_t i = 0; i < points; ++i) {
+        by_order.re[i] += of_factors[k].change.re[i];
+        by_order.im[i] += of_factors[k].change.im[i];
+      }
+    }
   }
-  for (; filled < count; ++filled) {
-    visit(column, by_order);
-    column *= z;
-    if (with_order) by_order += log_s;
+  for (; filled < count;) {
+    visit(filled++, column, by_order);
+    multiply(z, 1, points, column, column);
+    if constexpr (with_order) add_log(1, 0);
   }
+}
+
+FRACFIT_INLINE inline void put_together(Values values, std::size_t points, Complex* to) {
+  auto* const parts = reinterpret_cast<double*>(to);
+  for (std::size_t i = 0; i < points; ++i) {
+    parts[2 * i] = values.re[i];
+    parts[2 * i + 1] = values.im[i];
+  }
+}
+
+/// Arrays that visit_columns() takes, and a few more.
+std::size_t arrays_for(const RationalShape& shape) {
+  return 12 + 4 * shape.factors.size();
 }
 
 }  // namespace
@@ -211,57 +329,85 @@ Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
 }
 
 Eigen::MatrixXcd RationalProblem::frequency_columns(const RationalShape& shape) const {
+  const auto points = static_cast<std::size_t>(s().size());
   Eigen::MatrixXcd result(s().size(), static_cast<Index>(shape.degree - shape.low + 1));
-  Index filled = 0;
-  visit_columns(*this, shape, false, [&](const Eigen::ArrayXcd& column, const Eigen::ArrayXcd& /*by_order*/) {
-    result.col(filled++) = column.matrix();
+  Room room(arrays_for(shape), points);
+  const Power z = power_of(*this, shape.order, room.array());
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    visit_columns<false>(*this, shape, z, room, [&](std::size_t k, Values column, Values) FRACFIT_INLINE {
+      put_together(column, points, result.col(static_cast<Index>(k)).data());
+    });
   });
   return result;
 }
 
 Eigen::MatrixXcd RationalProblem::columns_of(const PoleFactor& factor, const RationalShape& shape) const {
-  const Eigen::ArrayXcd z = powers(*this, shape.order);
-  Eigen::ArrayXcd part = reciprocal(factor_values(factor, z, shape.order));
-  if (shape.delayed) part *= delayed(shape.delay);
-  Eigen::MatrixXcd result(z.size(), factor.pair ? 2 : 1);
-  result.col(0) = part.matrix();
-  if (factor.pair) result.col(1) = (part * scaled(factor, z, shape.order)).matrix();
-  if (!record_) return result;
   RationalShape alone = shape;
   alone.factors = {factor};
-  alone.integrators = alone.low = alone.degree = 0;
-  return record_->columns(alone, log_s(), result);
+  alone.integrators = alone.low = 0;
+  alone.degree = factor.pair ? 1 : 0;
+  return columns(alone);
 }
 
 Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const Linear& linear) const {
-  const Eigen::ArrayXcd z = powers(*this, shape.order);
-  Eigen::ArrayXcd model = linear.model.array();
+  const auto points = static_cast<std::size_t>(s().size());
+  Eigen::MatrixXcd result(s().size(), static_cast<Index>(shape.nonlinear()));
+  Eigen::VectorXcd answered;
   if (record_) {
     const Eigen::MatrixXcd values = frequency_columns(shape);
-    model = (values * linear.coefficients.head(values.cols()).cast<Complex>()).array();
+    answered = values * linear.coefficients.head(values.cols()).cast<Complex>();
   }
-  Eigen::MatrixXcd result(z.size(), static_cast<Index>(shape.nonlinear()));
+  const Eigen::VectorXcd& value = record_ ? answered : linear.model;
+  const auto* const model = reinterpret_cast<const double*>(value.data());
+  Room room(arrays_for(shape), points);
+  const Power z = power_of(*this, shape.order, room.array());
   Index column = 0;
-  for (const PoleFactor& factor : shape.factors) {
-    const Eigen::ArrayXcd at = scaled(factor, z, shape.order);
-    const Eigen::ArrayXcd share = model * at * reciprocal(factor_values(factor, z, shape.order));
-    if (!factor.pair) {
-      result.col(column++) = (shape.order * factor.sign * share).matrix();
-      continue;
+  const auto next = [&] { return reinterpret_cast<double*>(result.col(column++).data()); };
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    for (const PoleFactor& factor : shape.factors) {
+      const FactorNumbers numbers(factor, z, shape.order);
+      double* const by_size = next();
+      double* const by_damping = factor.pair ? next() : nullptr;
+      const double of_size = factor.pair ? 2 * shape.order : shape.order * factor.sign,
+                   of_damping = -2 * std::cosh(factor.damping);
+      for (std::size_t i = 0; i < points; ++i) {
+        const double x = numbers.scale * z.size[i], re = numbers.re(x), im = numbers.im(x);
+        const double at_re = x * z.along, at_im = x * z.across;
+        // model (s/size)^order / factor
+        const double over = 1 / (re * re + im * im);
+        const double part_re = over * (at_re * re + at_im * im), part_im = over * (at_im * re - at_re * im);
+        const double share_re = model[2 * i] * part_re - model[2 * i + 1] * part_im,
+                     share_im = model[2 * i] * part_im + model[2 * i + 1] * part_re;
+        if (by_damping) {
+          const double inner = at_re + numbers.half;
+          by_size[2 * i] = of_size * (share_re * inner - share_im * at_im);
+          by_size[2 * i + 1] = of_size * (share_re * at_im + share_im * inner);
+          by_damping[2 * i] = of_damping * share_re;
+          by_damping[2 * i + 1] = of_damping * share_im;
+        } else {
+          by_size[2 * i] = of_size * share_re;
+          by_size[2 * i + 1] = of_size * share_im;
+        }
+      }
     }
-    result.col(column++) = (2 * shape.order * share * (at + std::sinh(factor.damping))).matrix();
-    result.col(column++) = (-2 * std::cosh(factor.damping) * share).matrix();
-  }
-  if (shape.delayed) result.col(column++) = (-s().array() * model).matrix();
+  });
+  if (shape.delayed) result.col(column++) = (-s().array() * value.array()).matrix();
   if (shape.searches_order()) {
-    Eigen::ArrayXcd change = Eigen::ArrayXcd::Zero(z.size());
-    Index filled = 0;
-    visit_columns(*this, shape, true, [&](const Eigen::ArrayXcd& values, const Eigen::ArrayXcd& by_order) {
-      change += linear.coefficients[filled++] * values * by_order;
+    const Values change = room.values();
+    std::fill_n(change.re, points, 0.0);
+    std::fill_n(change.im, points, 0.0);
+    with_wide_vectors([&]() FRACFIT_INLINE {
+      visit_columns<true>(*this, shape, z, room, [&](std::size_t k, Values values, Values by_order) FRACFIT_INLINE {
+        const double coefficient = linear.coefficients[static_cast<Index>(k)];
+        for (std::size_t i = 0; i < points; ++i) {
+          change.re[i] += coefficient * (values.re[i] * by_order.re[i] - values.im[i] * by_order.im[i]);
+          change.im[i] += coefficient * (values.re[i] * by_order.im[i] + values.im[i] * by_order.re[i]);
+        }
+      });
     });
-    result.col(column++) = change.matrix();
+    put_together(change, points, result.col(column++).data());
   }
-  return record_ ? record_->derivatives(shape, log_s(), model.matrix(), result, linear.coefficients) : result;
+  return record_ ? record_->derivatives(shape, log_s(), value, result, linear.coefficients) : result;
 }
 
 StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {
@@ -311,8 +457,8 @@ RationalFit RationalProblem::at(const RationalShape& shape) const {
   const std::optional<Projection> projection = project(columns(fit.shape));
   if (!projection) return fit;
   fit.cost = projection->cost;
-  fit.parameters = parameter_count(fit.shape, projection->orthonormal.cols());
-  fit.likely_cost = likely_cost(projection->residual, projection->cost);
+  fit.parameters = parameter_count(fit.shape, projection->columns.basis.cols());
+  fit.likely_cost = likely_cost(projection->columns.rest, projection->cost);
   return fit;
 }
 

@@ -93,7 +93,7 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
       return reciprocal(1.0 + data.power(term.order, -term.log_size));
     case Term::Kind::rise:
       // With the inverse power neither end overflows into a quotient of infinities.
-      return (1.0 + data.power(-term.order, -term.log_size)).inverse();
+      return reciprocal(1.0 + data.power(-term.order, -term.log_size));
     case Term::Kind::gerischer:
       return (1.0 + scaled(term, data)).sqrt().inverse();
     case Term::Kind::layer_short: {
@@ -106,7 +106,7 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
     }
     case Term::Kind::structural_mode: {
       const Eigen::ArrayXcd x = scaled(term, data);
-      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / structural_denominator(term, data);
+      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) * reciprocal(structural_denominator(term, data));
     }
     case Term::Kind::mode: {
       const Eigen::ArrayXcd x = scaled(term, data);
@@ -182,7 +182,7 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
       result.col(column++) = (coefficient * spread.by_width).matrix();
       continue;
     }
-    const Eigen::ArrayXcd value = column_of(term, *this);
+    const Eigen::ArrayXcd value = linear.columns.col(static_cast<Index>(k));
     if (term.kind == Term::Kind::mode) {
       const Eigen::ArrayXcd x = scaled(term, *this), damped = 2 * std::exp(term.log_damping) * x,
                             share = reciprocal(denominator(term, x));
@@ -194,7 +194,7 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
       const Eigen::ArrayXcd elastic = power(std::exp(term.log_damping), -term.log_size),
                             inertial = scaled(term, *this).square();
       const double q = std::exp(term.log_damping);
-      const Eigen::ArrayXcd share = 1.0 / (elastic + inertial);
+      const Eigen::ArrayXcd share = reciprocal(elastic + inertial);
       result.col(column++) = (coefficient * value * ((q * elastic + 2.0 * inertial) * share - term.order)).matrix();
       result.col(column++) = (-coefficient * value * q * elastic * share * (log_s().array() - term.log_size)).matrix();
       continue;
@@ -254,16 +254,13 @@ std::vector<TermFit> TermProblem::along(const TermSum& sum, const std::vector<Te
   return fits;
 }
 
-std::vector<TermFit> TermProblem::along_gaining(const TermSum& sum, const std::vector<Term>& terms) const {
-  Linear linear;
+std::vector<TermFit> TermProblem::along_gaining(const TermSum& sum, const Linear& linear,
+                                                const std::vector<Term>& terms, Eigen::MatrixXd further) const {
   std::vector<TermFit> fits = with_each(sum, terms);
-  if (!solve(columns(sum), linear)) return fits;
-  std::optional<Weighted> further = weighted(columns(terms));
-  if (!further) return fits;
   // The second time takes what rounding of the first has left.
-  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, further->matrix);
+  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, further);
   for (std::size_t k = 0; k < terms.size(); ++k) {
-    const auto column = further->matrix.col(static_cast<Index>(k));
+    const auto column = further.col(static_cast<Index>(k));
     const double length = column.norm(), along = column.dot(linear.residual);
     constexpr double rounding = 1e-11;
     // The residual is model less data, so that a positive coefficient goes against it.

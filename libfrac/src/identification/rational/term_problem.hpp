@@ -68,7 +68,10 @@ class TermProblem : public ProjectedData {
   /// The sum with each of the terms, at its cost as it is; parameters are not counted.
   [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
   /// along() where only terms whose coefficient is positive count; the cost with any other is infinite.
-  [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const std::vector<Term>& terms) const;
+  /// @param linear   of the sum
+  /// @param further  columns of the terms as weighted() gives them
+  [[nodiscard]] std::vector<TermFit> along_gaining(const TermSum& sum, const Linear& linear,
+                                                   const std::vector<Term>& terms, Eigen::MatrixXd further) const;
   [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
   /// Appends the `count` starts of least cost, each refined a little.
   void refine_best(std::vector<TermFit> starts, std::size_t count, std::vector<TermFit>& refined) const;

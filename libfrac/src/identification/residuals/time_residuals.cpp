@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/gram_schmidt.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/median.hpp"
 #include "loss.hpp"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "flat_directions.hpp"
 #include "search_starts.hpp"
@@ -15,9 +16,10 @@ namespace {
 
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
+constexpr int hopeless_rounds = 12;
 constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
 constexpr std::size_t agreement = 4;
-constexpr double enough_confidence = 0.9;
+constexpr double enough_confidence = 0.9, enough_for_hopeless = 0.8;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
 // came to rest is finished only if within the second: the minimum of all residuals next to that of 40 of them is lower
 // by the share of noise that parameters follow, k/40 or so.
@@ -26,6 +28,8 @@ constexpr double in_reach = 3;
 // Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
 // poor ones.
 constexpr double equally_good = 1e-3;
+// Of a structure that something else beats by far the row of a ranking is promised to 1 % of its rms, 2 % of its cost.
+constexpr double equally_poor = 1e-2;
 constexpr double rival = 1.5;
 // Of mean squares of residuals over all points and over those scouted: noise alone gives 40 points a standard deviation
 // of 1/sqrt(20) = 22 % or less, so this is more than four of them.
@@ -51,26 +55,31 @@ class Search {
 
   GlobalSolution run() {
     const auto& free = residuals_.map().free();
-    const bool start_given = std::any_of(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
+    const auto given = std::count_if(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
       return !std::isnan(residuals_.map().start()[entry.parameter]);
     });
+    const bool all_given = static_cast<std::size_t>(given) == free.size();
     // These are not drawn like the others, so they say nothing of the number of minima.
     scout_from(linear_starts(scouting_, suggested_orders_, generator_));
     scout_from(whole_order_starts(scouting_, suggested_orders_, generator_));
+    if (all_given) scout_from({residuals_.map().to_theta(residuals_.map().start())});
     independent_ = 0;
     const int most = only_start_ ? rounds_for_a_start : rounds;
     const int least = only_start_ ? least_rounds_for_a_start : least_rounds;
     for (int round = 0; round < most && !exact(); ++round) {
-      scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      scout_from(screened_draws(scouting_, suggested_orders_, generator_, given > 0 && !all_given && round == 0));
       // A structure that something else beats by far needs its optimum for its row of a ranking, and no walk beyond one
-      // found several times: of some 3000 rows of presets, 90 files, four were more than 1 % from what fit() finds
-      // (tests/benchmarks/ranking_rates).  Solves that stopped far out in a valley agree too, but on no minimum.
+      // found several times (rates in tests/benchmarks/ranking_rates).  Solves that stopped far out in a valley agree
+      // too, but on no minimum, so that the best one first goes on.
       const bool hopeless = is_hopeless();
       if (!hopeless && round + 1 < least) continue;
       finish_promising();
-      if (settled() && hopeless && result_.best.converged) {
-        result_.left_early = true;
-        break;
+      const bool last = !only_start_ && round + 1 >= hopeless_rounds;
+      if (hopeless && (settled() || last)) {
+        if (!only_start_) go_on();
+        result_.left_early = settled() || last;
+        if (result_.left_early) break;
+        continue;
       }
       if (settled() && (only_start_ || (!walk_to_lower_cost() && settled()))) break;
     }
@@ -94,8 +103,9 @@ class Search {
 
  private:
   struct Scout {
-    LocalSolution local;  // on the scouting residuals
-    double end;           // cost of all residuals there, or of the minimum it leads to once finished
+    LocalSolution local;             // on the scouting residuals
+    double end;                      // cost of all residuals there, or of the minimum it leads to once finished
+    std::vector<double> theta = {};  // where it ended once finished
     enum { waiting, finished, dropped } state = waiting;
   };
 
@@ -119,10 +129,19 @@ class Search {
     return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
   }
   [[nodiscard]] bool settled() const {
-    return at_best() >= agreement && (only_start_ || confidence() >= enough_confidence);
+    const double enough = result_.best.cost > hopeless_ ? enough_for_hopeless : enough_confidence;
+    return at_best() + on_the_way() >= agreement && (only_start_ || confidence() >= enough);
+  }
+  /// Ends near the best of a hopeless structure from which the cost still falls: they say nothing of another minimum.
+  [[nodiscard]] std::size_t on_the_way() const {
+    if (only_start_ || !(result_.best.cost > hopeless_)) return 0;
+    return static_cast<std::size_t>(std::count_if(scouts_.begin(), scouts_.end(), [&](const Scout& scout) {
+      return !scout.local.converged && scout.end <= rival * result_.best.cost && !same(scout.end, result_.best.cost);
+    }));
   }
   [[nodiscard]] bool same(double cost, double least) const {
-    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
+    const double share = least > hopeless_ && !only_start_ ? equally_poor : equally_good;
+    return cost <= least * (1 + share) + residuals_.rounding_cost();
   }
 
   [[nodiscard]] std::size_t at_best() const {
@@ -130,10 +149,12 @@ class Search {
         scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return same(scout.end, result_.best.cost); }));
   }
 
-  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.
+  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.  Of a hopeless structure an end that
+  /// the cost still falls from is none.
   [[nodiscard]] std::size_t minima() const {
-    std::vector<double> costs;
-    for (const Scout& scout : scouts_) costs.push_back(scout.end);
+    std::vector<double> costs{result_.best.cost};
+    for (const Scout& scout : scouts_)
+      if (scout.local.converged || !(result_.best.cost > hopeless_)) costs.push_back(scout.end);
     std::sort(costs.begin(), costs.end());
     const double floor = residuals_.rounding_cost();
     std::size_t count = 0;
@@ -153,7 +174,7 @@ class Search {
       LocalSolution local = local_solve(scouting_, theta, scouting_options());
       const double end = residuals_.cost(local.theta);
       ++independent_;
-      scouts_.push_back({std::move(local), end});
+      scouts_.push_back({std::move(local), end, {}});
       if (end <= residuals_.rounding_cost()) finish(scouts_.back());
     }
   }
@@ -162,13 +183,36 @@ class Search {
   void finish(Scout& scout) {
     LocalSolution local = scout.local;
     if (!only_start_) {
-      local = local_solve(residuals_, local.theta, finishing_options());
-      if (local.cost < result_.best.cost && !(is_hopeless() && local.converged))
-        local = local_solve(residuals_, local.theta, {});
+      const bool hopeless = is_hopeless();
+      if (hopeless) local = local_solve(residuals_, local.theta, scouting_options());
+      if (!hopeless || !same(result_.best.cost, local.cost))
+        local = local_solve(residuals_, local.theta, finishing_options());
+      if (local.cost < result_.best.cost && !hopeless) local = local_solve(residuals_, local.theta, {});
     }
     scout.end = local.cost;
+    scout.theta = local.theta;
     scout.state = Scout::finished;
     if (local.cost < result_.best.cost) result_.best = std::move(local);
+  }
+
+  /// Goes on from the best ends of a hopeless structure: the cost may still fall from them.
+  void go_on() {
+    std::vector<Scout*> ended;
+    for (Scout& scout : scouts_)
+      if (!scout.theta.empty()) ended.push_back(&scout);
+    std::sort(ended.begin(), ended.end(), [](const Scout* a, const Scout* b) { return a->end < b->end; });
+    const std::size_t most = settled() ? 1 : agreement;
+    for (std::size_t i = 0; i < std::min(most, ended.size()); ++i) {
+      Scout& scout = *ended[i];
+      for (int round = 0; round < 5; ++round) {
+        LocalSolution local = local_solve(residuals_, scout.theta, finishing_options());
+        const double before = std::exchange(scout.end, local.cost);
+        const bool is_at_rest = local.converged || same(before, local.cost);
+        scout.theta = local.theta;
+        if (local.cost < result_.best.cost) result_.best = std::move(local);
+        if (is_at_rest) break;
+      }
+    }
   }
 
   /// Lets a scout that was stopped early come to rest.
