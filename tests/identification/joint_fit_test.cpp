@@ -192,12 +192,11 @@ void expect_errors_of_the_whole_normal_matrix(std::size_t own, const std::vector
           << estimate(c, p).name;
     }
     const double both = covariance(place(c, 0), place(c, 1));
-    // In white noise the parts of an error are widened by 1 to a root of 3 (CorrelatedNoise.IsToldFromWhiteNoise),
-    // which takes a correlation of .69 down to .40.
+    // The widening, which differs from parameter to parameter, changes a correlation little.
     const double correlation =
         result.curves[c].covariance[0][1] / (estimate(c, 0).standard_error * estimate(c, 1).standard_error);
     EXPECT_NEAR(correlation,
-                both / std::sqrt(covariance(place(c, 0), place(c, 0)) * covariance(place(c, 1), place(c, 1))), 0.3);
+                both / std::sqrt(covariance(place(c, 0), place(c, 0)) * covariance(place(c, 1), place(c, 1))), 0.25);
   }
 }
 

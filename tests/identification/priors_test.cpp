@@ -226,8 +226,8 @@ TEST(Priors, OfCurvesFittedTogetherMeetTheClosedForm) {
   }
   EXPECT_NEAR(result.effective_parameters, told, 1e-3);
   // The first and the third curve contradict a prior of 2 for what is 1 and 3 in them.
-  EXPECT_GT(std::abs(result.curves[0].priors[0].conflict), 4);
-  EXPECT_GT(std::abs(result.curves[2].priors[0].conflict), 4);
+  EXPECT_GT(std::abs(result.curves[0].priors[0].conflict), 5);
+  EXPECT_GT(std::abs(result.curves[2].priors[0].conflict), 5);
 }
 
 /// Output K u of an input that rises in 24 even steps, with noise: K by itself is the mean of y/u with weights u^2.

@@ -44,26 +44,22 @@ CorrelatedNoise::CorrelatedNoise(std::span<const double> residuals, const Eigen:
   if (!(degrees >= fewest_degrees) || residual.size() < 4 * per_point_) return;
 
   // Logarithms of probabilities at first, all of the same likelihood.
-  const double white_variance = square / degrees, white = -0.5 * degrees * std::log(square);
+  const double white_variance = square / degrees;
+  possibilities_.push_back({-0.5 * degrees * std::log(square), 1, 0});
   add_first_order(residual, basis, white_variance);
   if (!axis.position.empty() && axis.position.back() > axis.position.front()) {
     smooth_.emplace(residual, basis, axis);
     add_smooth(white_variance);
-  } else {
-    possibilities_.push_back({white, 1, 0});
   }
-  double highest = white, total = 0, correlated = 0, smooth = 0, smooth_square = 0;
+  double highest = possibilities_.front().probability, total = 0;
   for (const Possibility& each : possibilities_) highest = std::max(highest, each.probability);
-  for (Possibility& each : possibilities_) {
-    total += each.probability = std::exp(each.probability - highest);
-    if (each.correlation > 0 || each.share > 0) correlated += each.probability;
-    if (each.share > 0) smooth += each.probability;
-  }
-  chance_ = correlated / (correlated + std::exp(white - highest));
-  is_smooth_ = smooth > 0.5 * correlated;
+  for (Possibility& each : possibilities_) total += each.probability = std::exp(each.probability - highest);
+  double smooth_square = 0;
   for (Possibility& each : possibilities_) {
     each.probability /= total;
     correlation_ += each.probability * each.correlation;
+    if (each.correlation > 0 || each.share > 0) chance_ += each.probability;
+    if (each.share > 0) smooth_chance_ += each.probability;
     smooth_square += each.probability * each.share * each.variance * white_variance;
   }
   smooth_error_ = size * std::sqrt(smooth_square);
@@ -95,15 +91,13 @@ void CorrelatedNoise::add_first_order(std::span<const double> residual, const Ei
 
 void CorrelatedNoise::add_smooth(double white_variance) {
   constexpr int lengths = 5;
-  // The share h as the logarithm of h/(1 - h), for blocks of one point: from what no data tell to noise of a thousandth
-  // of the smooth error. The likelihood is a sum of functions of it that change over 1, which parabolas through three
-  // neighbours follow.
+  // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error. The
+  // likelihood is a sum of functions of it that change over 1, which parabolas through three neighbours follow.
   constexpr int least = -7, most = 14, refined = 8;
-  const double block = std::log(smooth_->points_per_block());
   const double ratio = std::log(smooth_->longest() / smooth_->shortest()) / (lengths - 1);
   for (int i = 0; i < lengths; ++i) {
     const double length = smooth_->shortest() * std::exp(i * ratio);
-    const auto share_of = [&](double logit) { return 1 / (1 + std::exp(block - logit)); };
+    const auto share_of = [](double logit) { return 1 / (1 + std::exp(-logit)); };
     std::vector<double> logarithms, variances;
     for (int logit = least; logit <= most; ++logit) {
       const SmoothError::Likelihood found = smooth_->at(share_of(logit), length);

@@ -12,14 +12,13 @@ namespace frac::detail {
 
 /// How residuals of a least-squares fit follow each other, and what that does to the errors of the estimates.
 ///
-/// One of two is true: the noise is of first order, e_i = r e_(i-1) + white with 0 <= r < 1, every r alike beforehand;
-/// or it is white beside a smooth error (SmoothError), every ratio of its variance to that of the noise and every
-/// length of it alike in its logarithm.  The two are alike beforehand.  Both have white noise as their limit.  It is no
-/// third beside them, but over time, where there is no smooth error to think of: residuals that cannot tell a smooth
-/// error from a change of parameters would speak for it.  The likelihood is that of the residuals with the fitted
-/// columns integrated out (restricted likelihood), so that the share of the noise the parameters have taken does not
-/// hide the others.  Nothing is decided between the two: variances are averaged with the probabilities that the
-/// residuals give to each, so that what the residuals leave open is counted.
+/// One of three is true: the noise is white; or it is of first order, e_i = r e_(i-1) + white with 0 < r < 1, every r
+/// alike beforehand; or it is white beside a smooth error (SmoothError), every ratio of its variance to that of the
+/// noise and every length of it alike in its logarithm.  The three are alike beforehand too.  The likelihood is that of
+/// the residuals with the fitted columns integrated out (restricted likelihood), so that the share of the noise the
+/// parameters have taken does not hide the others.  Nothing is decided between the three: variances are averaged with
+/// the probabilities that the residuals give to each, so that little is added where neighbours are unrelated, and what
+/// the residuals leave open is counted.
 class CorrelatedNoise {
  public:
   /// White noise, for results that have no residuals to tell.
@@ -30,12 +29,11 @@ class CorrelatedNoise {
   CorrelatedNoise(std::span<const double> residuals, const Eigen::Ref<const Eigen::MatrixXd>& basis,
                   const ResidualAxis& axis);
 
-  /// Mean of r over its probabilities, a smooth error counting as 0.
+  /// Mean of r over its probabilities, without correlation counting as 0.
   [[nodiscard]] double correlation() const noexcept { return correlation_; }
-  /// Probability that neighbours are correlated, where white noise alone is as likely beforehand as either of the two.
+  /// Probability that neighbours are correlated, as noise of first order or by a smooth error; that of the latter.
   [[nodiscard]] double chance() const noexcept { return chance_; }
-  /// Whether that is by a smooth error rather than by noise of first order.
-  [[nodiscard]] bool is_smooth() const noexcept { return is_smooth_; }
+  [[nodiscard]] double smooth_chance() const noexcept { return smooth_chance_; }
   /// Root mean square of the smooth error, in the unit of the residuals: the mean over what is possible.
   [[nodiscard]] double smooth_error() const noexcept { return smooth_error_; }
   /// Standard deviation of influence' * noise over that in white noise with the variance of the residuals.
@@ -55,8 +53,7 @@ class CorrelatedNoise {
   std::vector<Possibility> possibilities_;
   std::optional<SmoothError> smooth_;
   std::size_t per_point_ = 1;
-  double correlation_ = 0, chance_ = 0, smooth_error_ = 0;
-  bool is_smooth_ = false;
+  double correlation_ = 0, chance_ = 0, smooth_chance_ = 0, smooth_error_ = 0;
 };
 
 }  // namespace frac::detail

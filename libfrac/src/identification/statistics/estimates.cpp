@@ -106,7 +106,7 @@ std::string remark_on_correlation(const FitResult& result, const Confidence& fou
   };
   const std::string from = two_digits(least), to = two_digits(most);
   std::string text;
-  if (found.noise.is_smooth()) {
+  if (found.noise.smooth_chance() > 0.5 * found.noise.chance()) {
     text = " The residuals go smoothly along the axis, by an error of the data or of the model";
   } else {
     char correlation[64];

@@ -164,10 +164,6 @@ SmoothError::Likelihood SmoothError::at(double share, double length) const {
   return {restricted - degrees_ * std::log(rest), rest * rest / degrees_};
 }
 
-double SmoothError::points_per_block() const {
-  return static_cast<double>(axis_.position.size()) / static_cast<double>(position_.size());
-}
-
 SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each, double unit) const {
   const std::size_t parts = axis_.per_point;
   Influence result{

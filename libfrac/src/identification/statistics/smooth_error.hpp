@@ -33,9 +33,6 @@ class SmoothError {
   };
   [[nodiscard]] Likelihood at(double share, double length) const;
 
-  /// Points of a block on the mean.
-  [[nodiscard]] double points_per_block() const;
-
   /// Sums of an influence, in a unit, over the blocks, which variances need; its own square beside them.
   struct Influence {
     double square;
