@@ -20,5 +20,7 @@ string(APPEND flags " -mllvm -combiner-global-alias-analysis=false -mllvm -enabl
 string(APPEND flags " -fno-threadsafe-statics -Dunix -D__unix -D__unix__ -Xclang -iwithsysroot/include/compat -I${CMAKE_CURRENT_LIST_DIR}/include")
 string(APPEND flags " -msimd128 -D__SSE__ -D__SSE2__")
 set(CMAKE_C_FLAGS_INIT "${flags}")
+# Precompiled headers that ccache keeps are right as long as what they hold is, whenever it was copied.
+string(APPEND flags " -Xclang -fno-pch-timestamp")
 set(CMAKE_CXX_FLAGS_INIT "${flags} -D_LIBCPP_ABI_VERSION=2 -fwasm-exceptions -include ${CMAKE_CURRENT_LIST_DIR}/newer_library.hpp")
 set(CMAKE_CXX_LINK_EXECUTABLE "${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs em++ -fwasm-exceptions <LINK_FLAGS> <OBJECTS> -o <TARGET> <LINK_LIBRARIES>")
