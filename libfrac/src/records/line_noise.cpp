@@ -104,7 +104,7 @@ LineEstimate LineReader::operator()(std::size_t bin, const ShapedSum* sum) {
         inverse_sizes(i) = std::pow(static_cast<double>(bin_of(i)) / at, slope / 2);
       try_sizes(inverse_sizes);
     }
-  if (sum && sizes_of_loop.allFinite()) try_sizes(sizes_of_loop);
+  if (sum && sum->loop != 0.0 && sizes_of_loop.allFinite()) try_sizes(sizes_of_loop);
   line.value -= best.transient;
   line.degrees = degrees;
   const double spread = (1 + best.leverage) / line.degrees;

@@ -33,7 +33,7 @@ struct LineEstimate {
 struct ShapedSum {
   Eigen::VectorXcd weights;
   std::function<std::complex<double>(std::size_t)> response;  // at a bin; not finite: not known, and no shape is tried
-  std::complex<double> loop;                                  // response from output to input
+  std::complex<double> loop;                                  // response from output to input; 0: there is none
 };
 
 /// Reads lines of several spectra of equal length without what leaks into them.

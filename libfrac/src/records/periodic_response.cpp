@@ -153,11 +153,16 @@ class BetweenLines {
 
 /// Around the machine a loop u = r - C y makes of a disturbance v the errors e_y = v/(1 + G C) of the output and
 /// e_u = -C e_y of the input.  e_y - G e_u at a line of the period is v, while with the G of this line it is
-/// v (1 + G(line) C)/(1 + G C) beside it, which has the peaks of the loop.  -C is the regression of e_u on e_y.
+/// v (1 + G(line) C)/(1 + G C) beside it, which has the peaks of the loop.  -C is the regression of e_u on e_y; none
+/// where errors of a coherence of 0 have as large a one with a chance of 0.01, (1 - coherence)^(degrees - 1).
 ShapedSum noise_of_loop(const LineEstimate& line, std::size_t bin, std::size_t output, double periods,
                         const BetweenLines& response) {
   const auto at = static_cast<Eigen::Index>(output) + 1;
-  ShapedSum sum{Eigen::VectorXcd::Zero(line.value.size()), {}, line.covariance(0, at) / line.covariance(at, at)};
+  const double coherence = std::norm(line.covariance(0, at)) / (line.covariance(0, 0) * line.covariance(at, at)).real();
+  constexpr double chance = 0.01;
+  const bool has_loop = std::pow(std::max(1 - coherence, 0.0), line.degrees - 1) < chance;
+  ShapedSum sum{
+      Eigen::VectorXcd::Zero(line.value.size()), {}, has_loop ? line.covariance(0, at) / line.covariance(at, at) : 0};
   sum.response = [&response, periods](std::size_t other) { return response(static_cast<double>(other) / periods); };
   sum.weights(0) = -sum.response(bin);
   sum.weights(at) = 1;
