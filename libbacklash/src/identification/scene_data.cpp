@@ -54,6 +54,8 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
     data.curve_begin.push_back(data.points.size());
     const frac::FrequencyResponseData& response = curves[curve].data;
     for (std::size_t i = 0; i < response.size(); ++i) {
+      // A load at rest tells no more than that the masses do not touch.
+      if (options.output == Output::x1 && response.value()[i] == 0.0) continue;
       const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
       data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma,
                              curves[curve].harmonic, data.points.size()});
