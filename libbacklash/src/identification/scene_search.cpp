@@ -285,7 +285,7 @@ ContactSearch search_contact(const SceneData& data, const KnownScene& known, con
 
 FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
                                int threads) {
-  constexpr std::size_t rubbing_pursued = 6;
+  constexpr std::size_t rubbing_pursued = 4;
   FrictionSearch result{{}, std::numeric_limits<double>::infinity()};
   SceneSearcher searcher(data, known, threads);
   const auto within = [&](std::vector<SceneVector> starts) {

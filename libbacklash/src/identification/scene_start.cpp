@@ -404,10 +404,11 @@ std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds
       for (const double of_load : shares) starts.rate({of_load, of_drive});
       continue;
     }
+    if (of_drive == 0) continue;
     SceneData smooth = data;
     for (MeasuredPoint& point : smooth.points)
       point = without_friction(point, data.output, {1, 1}, {0, of_drive * data.force_unit});
-    for (SceneVector& place : scene_starts(smooth, bounds, fixed, {}, false, count / shares.size())) {
+    for (SceneVector& place : scene_starts(smooth, bounds, fixed, {}, false, count / (shares.size() - 1))) {
       place[first_friction + 1] = of_drive;
       places.push_back(place);
     }
