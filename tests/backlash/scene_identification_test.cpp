@@ -722,6 +722,17 @@ TEST(SceneIdentification, NothingIsStatedOfMassesThatNeverTouch) {
   EXPECT_EQ(stated, 0);
 }
 
+// Exact ones leave no residuals at all.
+TEST(SceneIdentification, NothingIsStatedOfExactMassesThatNeverTouch) {
+  const std::vector<double> omega = {64, 70, 80, 90, 128};
+  std::vector<Complex> value;
+  for (const double w : omega) value.emplace_back(-1 / (2 * w * w));
+  SceneIdentificationOptions options;
+  options.output = Output::x2;
+  const auto result = identify_scene({{{omega, value}, 3}, {{omega, value}, 5}}, options);
+  for (const auto& parameter : result.parameters) EXPECT_FALSE(parameter.identified) << result.message;
+}
+
 TEST(SceneIdentification, RefusesWhatMakesNoSense) {
   support::Random random(10);
   const auto curves = measured(scene, band_lower, band_upper, 5, 0, random);

@@ -54,7 +54,6 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
     data.curve_begin.push_back(data.points.size());
     const frac::FrequencyResponseData& response = curves[curve].data;
     for (std::size_t i = 0; i < response.size(); ++i) {
-      // A load at rest tells no more than that the masses do not touch.
       if (options.output == Output::x1 && response.value()[i] == 0.0) continue;
       const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
       data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma,
@@ -90,6 +89,13 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   data.force_unit = std::numeric_limits<double>::infinity();
   for (const MeasuredPoint& point : data.points) data.force_unit = std::min(data.force_unit, point.force);
   return data;
+}
+
+void require_residuals(const SceneData& data, std::size_t parameters) {
+  const std::size_t residuals = data.points.size() * data.residuals_per_point();
+  if (residuals >= parameters) return;
+  throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
+                              std::to_string(parameters) + " free parameters; points of a load at rest form none");
 }
 
 std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {

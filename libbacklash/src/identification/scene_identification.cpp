@@ -404,11 +404,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   detail::KnownScene hard = known;
   hard.bounds.lower[4] = hard.bounds.upper[4] = 0;
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < hard.bounds.free_count()) {
-    throw std::invalid_argument("the data form " + std::to_string(residuals) +
-                                " residuals, of points at which the load moves, fewer than the " +
-                                std::to_string(hard.bounds.free_count()) + " free parameters");
-  }
+  detail::require_residuals(data, hard.bounds.free_count());
   const std::vector<double> jumps = detail::products_from_jumps(curves);
   detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
 
