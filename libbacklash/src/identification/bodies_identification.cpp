@@ -466,7 +466,7 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
   if (options.contact == ContactModel::compliant)
     throw std::invalid_argument(
         "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
-  const detail::SceneData data = detail::scene_data(curves, options);
+  const detail::SceneData data = detail::scene_data(curves, options, detail::LoadAtRest::kept);
   const frac::Structure joint = detail::joint_structure(structure);
   const ParameterMap map(joint, with_defaults(joint, options.constraints), scale_of(data));
   detail::require_residuals(data, map.free().size());
