@@ -296,8 +296,7 @@ FrictionSearch search_friction(const SceneData& data, const KnownScene& known, c
   };
   std::vector<LocalScene> settled;
   searcher.settle_too(within(places_of(without)), settled);
-  if (settled.empty() || !complete(data, known.bounds, settled.front()))
-    searcher.settle_too(within(rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued)), settled);
+  searcher.settle_too(within(rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued)), settled);
   result.scenes.starts = without.starts + searcher.starts();
   if (settled.empty()) return result;
   result.scenes.best = settled.front();
