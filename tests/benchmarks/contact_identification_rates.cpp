@@ -9,7 +9,7 @@
 // of the least force; bands lie where hard contacts have their symmetric orbit, ten points at each of two forces.
 // --none answers without friction, --estimate with it, else it is where the data ask. Usage:
 // contact_identification_rates [--smoke] [--each] [--hard] [--friction [--none|--estimate]] [scenes of each time]
-// [seed]; --hard takes contacts for hard ones.
+// [seed] [row, from 1 on; 0: all]; --hard takes contacts for hard ones.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <ctime>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -112,9 +113,16 @@ struct Tally : support::SceneTally {
 
 void judge(const Case& scene, bool each, Tally& tally) {
   const std::clock_t begin = std::clock();
-  const auto result = backlash::identify_scene(scene.curves, scene.options);
-  tally.processor_seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   ++tally.scenes;
+  backlash::SceneIdentification result;
+  try {
+    result = backlash::identify_scene(scene.curves, scene.options);
+  } catch (const std::invalid_argument& refused) {
+    // Friction that keeps the load at rest leaves too few points.
+    if (each) std::printf("# refused: %s\n", refused.what());
+    return;
+  }
+  tally.processor_seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   tally.told += result.contact_verdict == backlash::ContactVerdict::compliant ? 1 : 0;
   support::SceneScore score(result, scene.system);
   if (!result.contact.empty() && score.answered && std::isfinite(result.contact[0].ci95_upper)) {
@@ -155,6 +163,7 @@ int main(int argc, char** argv) {
       with_friction ? "friction/force" : "contact time/period");
   std::vector<double> shares(contact_shares.begin(), contact_shares.end());
   if (with_friction) shares.assign(friction_shares.begin(), friction_shares.end());
+  if (const std::uint64_t row = arguments.number(2, 0)) shares = {shares.at(row - 1)};
   for (const double share : shares) {
     support::Random random(seed + 1'000'000 * static_cast<std::uint64_t>(1e4 * share));
     Tally tally;
@@ -171,7 +180,7 @@ int main(int argc, char** argv) {
                 tally.scenes, tally.flagged, tally.answered, tally.wrong, tally.far_off, held, stated,
                 100.0 * held / std::max(1, stated), tally.time_held, tally.time_stated, tally.told, tally.friction_held,
                 tally.friction_stated, tally.friction_told,
-                tally.processor_seconds[tally.processor_seconds.size() / 2]);
+                tally.processor_seconds.empty() ? 0.0 : tally.processor_seconds[tally.processor_seconds.size() / 2]);
     std::fflush(stdout);
   }
 }

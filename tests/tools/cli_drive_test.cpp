@@ -160,7 +160,9 @@ TEST(Cascade, IsAFormulaWithALagOfTheSetPoint) {
   ASSERT_GT(sampled.size(), 1U);
   EXPECT_NEAR(sampled[1][5], 1.5, 1.5e-3);
   for (const auto& [text, message] : {std::pair{"cascade(2)", "expected cascade(K1, K2, T) or cascade(K1, K2)"},
-                                      std::pair{"cascade(-2, 1)", "K1 is -2; allowed is above 0"}}) {
+                                      std::pair{"cascade(-2, 1)", "K1 is -2; allowed is above 0"},
+                                      std::pair{"cascade(2, 1, 3) exp(-0.01 s)", "with a dead time L write"},
+                                      std::pair{"exp(-0.01 s) cascade(2, 1, 3)", "with a dead time L write"}}) {
     const auto run = run_fracfit(joined(scene, {"--setpoint-step", "1", "--controller", text}));
     EXPECT_EQ(run.code, 2);
     EXPECT_NE(run.error.find(message), std::string::npos) << run.error;

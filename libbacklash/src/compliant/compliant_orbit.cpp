@@ -56,6 +56,8 @@ std::optional<CompliantOrbit> closed_orbit(const CompliantFlow& flow, const Eige
   constexpr int most_steps = 12;
   // Steps below it, of the sizes of the states, are rounding; the step before was its square root.
   constexpr double converged = 1e-10;
+  // A miss below it is rounding, which the inverse makes a longer step of where masses may drift nearly freely.
+  constexpr double rounding = 1e-12;
   const std::vector<Index>& repeating = flow.repeating();
   const Eigen::VectorXd sizes = part(flow.sizes(), repeating);
   Eigen::VectorXd at = state;
@@ -85,7 +87,7 @@ std::optional<CompliantOrbit> closed_orbit(const CompliantFlow& flow, const Eige
     if (!(largest < 3)) return std::nullopt;
     for (Index i = 0; i < size; ++i) at[repeating[static_cast<std::size_t>(i)]] += change[i] * sizes[i];
     at_mode = run.mode();
-    is_last = largest < converged;
+    is_last = largest < converged || residual < rounding;
   }
   return std::nullopt;
 }

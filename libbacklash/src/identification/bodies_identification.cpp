@@ -466,14 +466,10 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
   if (options.contact == ContactModel::compliant)
     throw std::invalid_argument(
         "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
-  const detail::SceneData data = detail::scene_data(curves, options);
+  const detail::SceneData data = detail::scene_data(curves, options, detail::LoadAtRest::kept);
   const frac::Structure joint = detail::joint_structure(structure);
   const ParameterMap map(joint, with_defaults(joint, options.constraints), scale_of(data));
-  const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < map.free().size()) {
-    throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
-                                std::to_string(map.free().size()) + " free parameters");
-  }
+  detail::require_residuals(data, map.free().size());
   const Starts starts(structure, joint, map, data, detail::products_from_jumps(curves));
   const Searcher searcher(structure, data, map);
   const Found found = search(searcher, starts.all(), options.threads);

@@ -21,6 +21,8 @@ using Index = Eigen::Index;
 
 // Angle of the shortest contacts that are computed: hard ones lie on the line through this one and its double.
 constexpr double least_tau = 1e-3;
+// Of both bodies, where they have none: the masses would drift together at any speed.  That of one of them which turns
+// at hard impacts hardly holds them, as it is none in the mean at any drift.
 constexpr double least_friction = 1e-6;
 // Half of the digits of a flow.
 constexpr double difference = 1e-6;
@@ -32,13 +34,18 @@ struct Units {
 };
 
 // Clearance, omega and the reduced mass are 1.
-Units units(const FrictionGroups& groups) {
+FrictionGroups holding(FrictionGroups groups) {
+  if (groups.friction[0] + groups.friction[1] < least_friction) groups.friction = {least_friction, least_friction};
+  return groups;
+}
+
+Units units(FrictionGroups groups) {
+  groups = holding(groups);
   const double mass1 = 1 + groups.mass_ratio, mass2 = 1 + 1 / groups.mass_ratio;
   const double force = groups.gamma * mass2;
   const ContactShape shape = contact_shape(groups.restitution);
   const double frequency = shape.angle / groups.tau;
-  CoulombFriction friction{force * groups.friction[0], force * groups.friction[1]};
-  if (groups.friction[0] + groups.friction[1] < least_friction) friction.body1 = force * least_friction;
+  const CoulombFriction friction{force * groups.friction[0], force * groups.friction[1]};
   return {{free_mass(mass1), free_mass(mass2), 1,
            CompliantContact(frequency * frequency, 2 * shape.damping_ratio * frequency), friction},
           {force, 1}};
@@ -187,10 +194,7 @@ std::optional<FrictionResponse> response_at(const FrictionGroups& groups, Read r
   other.mass_ratio *= std::exp(difference);
   response.by_log_mass_ratio = by(other, difference);
   for (std::size_t i = 0; i < 2; ++i) {
-    other = groups;
-    // From what stands for no friction, too.
-    const bool is_free = groups.friction[0] + groups.friction[1] < least_friction;
-    if (is_free) other.friction[0] = least_friction;
+    other = holding(groups);
     other.friction[i] += difference;
     response.by_friction[i] = by(other, difference);
   }

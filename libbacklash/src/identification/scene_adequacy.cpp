@@ -217,7 +217,8 @@ bool tells_contacts(const SceneData& data, const std::vector<PointChoice>& choic
   const double degrees = per_point * static_cast<double>(used) - static_cast<double>(parameters);
   const double further = per_point * static_cast<double>(choices.size()) - degrees - (has_mass ? 1 : 0);
   if (!(degrees > 0) || !(further > 0)) return true;
-  const double variance = std::max(of_scene / degrees, least_variance);
+  const double rounding = rounding_share * data.typical_misfit;
+  const double variance = std::max({of_scene / degrees, least_variance, rounding * rounding});
   const double ratio = std::max(0.0, cost - of_scene) / (further * variance);
   return frac::detail::fisher_f_above(ratio, further, degrees) < chance;
 }

@@ -47,13 +47,16 @@ void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const S
   }
 }
 
-SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
+SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options,
+                     LoadAtRest at_rest) {
   SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0, 0, 0};
   std::vector<double> sizes;
   for (std::size_t curve = 0; curve < curves.size(); ++curve) {
     data.curve_begin.push_back(data.points.size());
     const frac::FrequencyResponseData& response = curves[curve].data;
     for (std::size_t i = 0; i < response.size(); ++i) {
+      const bool rests = options.output == Output::x1 && response.value()[i] == 0.0;
+      if (rests && at_rest == LoadAtRest::left_out) continue;
       const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
       data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma,
                              curves[curve].harmonic, data.points.size()});
@@ -88,6 +91,13 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   data.force_unit = std::numeric_limits<double>::infinity();
   for (const MeasuredPoint& point : data.points) data.force_unit = std::min(data.force_unit, point.force);
   return data;
+}
+
+void require_residuals(const SceneData& data, std::size_t parameters) {
+  const std::size_t residuals = data.points.size() * data.residuals_per_point();
+  if (residuals >= parameters) return;
+  throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
+                              std::to_string(parameters) + " free parameters");
 }
 
 std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {

@@ -261,7 +261,13 @@ std::string contact_text(const SceneIdentification& result, double longest) {
 
 std::string friction_text(const SceneIdentification& result) {
   using frac::detail::short_text;
-  if (result.friction.empty()) return "";
+  if (result.friction.empty()) {
+    return result.friction_verdict == FrictionVerdict::none ? ""
+           : std::isnan(result.friction_evidence)
+               ? " Nowhere that was tried do enough points lie on a motion with friction, so that nothing is known of "
+                 "it."
+               : " The data do not tell friction from none, and the intervals hold for both.";
+  }
   const auto& [load, drive] = std::array{result.friction[0], result.friction[1]};
   if (load.fixed && drive.fixed) return "";
   if (result.friction_verdict == FrictionVerdict::present) {
@@ -398,10 +404,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   detail::KnownScene hard = known;
   hard.bounds.lower[4] = hard.bounds.upper[4] = 0;
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < hard.bounds.free_count()) {
-    throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
-                                std::to_string(hard.bounds.free_count()) + " free parameters");
-  }
+  detail::require_residuals(data, hard.bounds.free_count());
   const std::vector<double> jumps = detail::products_from_jumps(curves);
   detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
 
@@ -422,6 +425,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   }
   result.friction_verdict = rubbing.bounds.has_friction() ? FrictionVerdict::undecided : FrictionVerdict::none;
   result.friction_evidence = nan;
+  std::vector<detail::LocalScene> undecided;  // with friction that the data do not tell from none
   if (rubbing.bounds.has_friction() && residuals >= rubbing.bounds.free_count()) {
     detail::FrictionSearch rubbed = detail::search_friction(data, rubbing, found, options.threads);
     if (rubbed.scenes.best.usable) {
@@ -434,6 +438,9 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       if (is_told || is_given || options.friction == FrictionModel::estimate) {
         found = std::move(rubbed.scenes);
         known = rubbing;
+      } else {
+        undecided = std::move(rubbed.scenes.rivals);
+        undecided.push_back(std::move(rubbed.scenes.best));
       }
     }
   }
@@ -474,6 +481,11 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
            {rival.theta[5] * data.force_unit, rival.theta[6] * data.force_unit},
            std::exp(0.5 * (rival.deviance - found.best.deviance))});
     }
+    for (const detail::LocalScene& other : undecided) {
+      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, other), rubbing.bounds, other.theta,
+                                             widening, least_variance, data),
+                   uncertainty);
+    }
     result.misfits.insert(result.misfits.end(), uncertainty.strained.begin(), uncertainty.strained.end());
     result.parameters = uncertainty.parameters;
     result.combinations = uncertainty.combinations;
@@ -490,7 +502,9 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
         result.contact.empty() ? takes_time
                                : result.contact.front().at_bound || (options.contact == ContactModel::compliant &&
                                                                      !(result.contact.front().value > 0));
-    const bool at_limit = is_contact_at_limit ||
+    // Without a scene that has friction nothing is known of what it would change.
+    const bool is_friction_unknown = rubbing.bounds.has_friction() && !known.bounds.has_friction() && undecided.empty();
+    const bool at_limit = is_contact_at_limit || is_friction_unknown ||
                           std::any_of(result.friction.begin(), result.friction.end(),
                                       [](const SceneEstimate& estimate) { return estimate.at_bound; }) ||
                           std::any_of(result.parameters.begin(), result.parameters.end(),

@@ -64,6 +64,28 @@ double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex>
   return std::max(price, 0.0);
 }
 
+MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const std::array<double, 2>& masses,
+                               const std::array<double, 2>& friction) {
+  if (friction[0] == 0 && friction[1] == 0) return point;
+  constexpr double fundamental = 4 / std::numbers::pi;
+  const double square = point.omega * point.omega;
+  const std::size_t read = output == Output::x1 ? 0 : 1, other = 1 - read;
+  const std::array<double, 2> most = {fundamental * friction[0], fundamental * friction[1]};
+  const Complex position = point.force * point.value;
+  std::array<Complex, 2> resisted;  // along the velocity, j times the position
+  resisted[read] = Complex(0, most[read]) * position / std::abs(position);
+  // Of the other mass R - M omega^2 X = (j |R| - M omega^2 |X|) X/|X| is what else acts on it, contact and force.
+  const Complex of_read = resisted[read] - masses[read] * square * position;
+  const Complex acting = point.force - of_read;
+  const Complex turned(-std::sqrt(std::max(0.0, std::norm(acting) - most[other] * most[other])), most[other]);
+  resisted[other] = Complex(0, most[other]) * (acting / turned) / std::abs(acting / turned);
+  const Complex force = point.force - resisted[1] + masses[1] / masses[0] * resisted[0];
+  MeasuredPoint result = point;
+  result.force = std::abs(force);
+  result.value = (position - resisted[0] / (masses[0] * square)) / force;
+  return result;
+}
+
 OutputCoefficients output_coefficients(const SceneVector& theta, Output output) {
   const double mass1 = std::exp(theta[0]);
   const double mass2 = std::exp(theta[1]);

@@ -53,6 +53,14 @@ struct SceneData {
   [[nodiscard]] double robust_cost(const MeasuredPoint& point, std::optional<std::complex<double>> model) const;
 };
 
+/// A point as masses without dry friction would have it, by harmonic balance: the fundamental 4/pi f of each friction,
+/// against the velocity of its mass, acts beside the force, so that force and value of the point change.
+/// @param masses  kg, of which only friction on mass 1 and that of what is not measured take notice
+/// @param friction  of both masses, N
+[[nodiscard]] MeasuredPoint without_friction(const MeasuredPoint& point, Output output,
+                                             const std::array<double, 2>& masses,
+                                             const std::array<double, 2>& friction);
+
 /// N = (rigid + moving h)/omega^2; of a harmonic above the first without the rigid term.
 struct OutputCoefficients {
   double rigid, moving;

@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "base/impact_law.hpp"
 #include "frac/parallel_for.hpp"
 #include "scene_adequacy.hpp"
 #include "scene_evidence.hpp"
@@ -15,12 +13,11 @@
 namespace backlash::detail {
 namespace {
 
-// Before the table of irregular motion is made, to see whether all the data can be explained without.
-constexpr std::size_t starts_of_first_look = 4;
-constexpr std::size_t starts_of_full_look = 32;
-// Starts from which the orbits of two impacts alone are fitted, and of those how many are pursued.
-constexpr std::size_t two_impact_starts = 48;
+// Before the table of irregular motion is made, to see whether all the data can be explained without; from them the
+// orbits of two impacts alone are fitted, too, of which some are pursued.
+constexpr std::size_t regular_starts = 48;
 constexpr std::size_t two_impact_pursued = 4;
+constexpr std::size_t starts_of_full_look = 32;
 // Places that are followed with the table, and of their estimates those that are followed with exact motions.  Those
 // of much worse evidence than the best are not: a few steps take a glance only so far, and the table is good to 1 %.
 constexpr std::size_t roughly_settled = 20;
@@ -74,6 +71,31 @@ void take_rivals(const std::vector<LocalScene>& settled, double allowed, SceneSe
       search.rivals.push_back(local);
     }
   }
+}
+
+// The best places that are not near each other.
+std::vector<SceneVector> places_of(const std::vector<LocalScene>& sorted, std::size_t most,
+                                   double worth = std::numeric_limits<double>::infinity()) {
+  std::vector<SceneVector> places;
+  std::vector<const LocalScene*> taken;
+  for (const LocalScene& local : sorted) {
+    if (places.size() == most || local.deviance > sorted.front().deviance + worth) break;
+    const bool is_known =
+        std::any_of(taken.begin(), taken.end(), [&](const auto* other) { return agree(local, *other, same_place); });
+    if (is_known) continue;
+    taken.push_back(&local);
+    places.push_back(local.theta);
+  }
+  return places;
+}
+
+// Where a search of more parameters begins: at the best scene and at its rivals, which may be nearer to the truth.
+std::vector<SceneVector> places_of(const SceneSearch& search) {
+  constexpr std::size_t pursued = 3;
+  if (!search.best.usable) return {};
+  std::vector<LocalScene> scenes = {search.best};
+  scenes.insert(scenes.end(), search.rivals.begin(), search.rivals.end());
+  return places_of(scenes, pursued);
 }
 
 class SceneSearcher {
@@ -147,21 +169,6 @@ class SceneSearcher {
   }
 
  private:
-  // Returns the best places that are not near each other.
-  static std::vector<SceneVector> places_of(const std::vector<LocalScene>& sorted, std::size_t most, double worth) {
-    std::vector<SceneVector> places;
-    std::vector<const LocalScene*> taken;
-    for (const LocalScene& local : sorted) {
-      if (places.size() == most || local.deviance > sorted.front().deviance + worth) break;
-      const bool is_known =
-          std::any_of(taken.begin(), taken.end(), [&](const auto* other) { return agree(local, *other, same_place); });
-      if (is_known) continue;
-      taken.push_back(&local);
-      places.push_back(local.theta);
-    }
-    return places;
-  }
-
   const SceneData& data_;
   const KnownScene& known_;
   int threads_;
@@ -189,23 +196,21 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
   const auto starts_of = [&](bool rate_irregular, std::size_t count) {
     return scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, count);
   };
-  std::vector<SceneVector> regular = law_starts(data, known.bounds, known.fixed, two_impact_starts);
-  if (regular.empty()) regular = starts_of(false, two_impact_starts);
+  std::vector<SceneVector> regular = law_starts(data, known.bounds, known.fixed, regular_starts);
+  if (regular.empty()) regular = starts_of(false, regular_starts);
   searcher.glance(given_start(known, regular));
-  searcher.glance(
-      {regular.begin(), regular.begin() + static_cast<std::ptrdiff_t>(std::min(regular.size(), starts_of_first_look))});
+  searcher.glance(regular);
   std::vector<LocalScene> settled = searcher.settle();
+  const std::vector<SceneVector> parts =
+      places_of(searcher.solve(regular, Effort::settle, Motions::two_impact), two_impact_pursued);
   if (settled.empty() || !complete(data, known.bounds, settled.front())) {
-    std::vector<SceneVector> parts;
-    for (const LocalScene& local : searcher.solve(regular, Effort::settle, Motions::two_impact)) {
-      if (parts.size() < two_impact_pursued) parts.push_back(local.theta);
-    }
     searcher.glance(parts);
     searcher.glance(starts_of(true, starts_of_full_look));
     settled = searcher.settle();
-    // The table is no better than 1 %: a glance at it leads away from what few points on orbits of two impacts show.
-    searcher.settle_too(parts, settled);
   }
+  // One valley of sticking motion may hold all places that were settled, while orbits of two impacts explain the data
+  // as well; and the table is no better than 1 %, so that a glance at it leads away from what few points on these show.
+  searcher.settle_too(parts, settled);
   if (!settled.empty()) searcher.settle_too(searcher.small_restitutions(settled.front()), settled);
   SceneSearch result;
   result.starts = searcher.starts();
@@ -222,7 +227,6 @@ namespace {
 // Contact times, in units of 1/omega, from which longer contacts are looked for: .01, .03 and .1 of a period.
 constexpr std::array<double, 3> contact_times = {0.06, 0.2, 0.6};
 constexpr std::size_t starts_of_contact_time = 12;
-constexpr std::size_t contacts_pursued = 3;
 constexpr std::size_t longer_pursued = 2;
 
 // See ContactSearch::evidence.
@@ -251,16 +255,7 @@ std::vector<SceneVector> longer_contacts(const SceneData& data, const KnownScene
     }
   }
   starts.insert(starts.end(), beside.begin(), beside.end());
-  std::vector<SceneVector> found;
-  std::vector<LocalScene> taken;
-  for (LocalScene& local : searcher.solve(starts, Effort::settle, Motions::two_impact)) {
-    if (found.size() == longer_pursued) break;
-    if (std::any_of(taken.begin(), taken.end(), [&](const auto& other) { return agree(local, other, same_place); }))
-      continue;
-    found.push_back(local.theta);
-    taken.push_back(std::move(local));
-  }
-  return found;
+  return places_of(searcher.solve(starts, Effort::settle, Motions::two_impact), longer_pursued);
 }
 
 }  // namespace
@@ -268,12 +263,7 @@ std::vector<SceneVector> longer_contacts(const SceneData& data, const KnownScene
 ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard, int threads) {
   ContactSearch result{{}, std::numeric_limits<double>::infinity()};
   SceneSearcher searcher(data, known, threads);
-  std::vector<SceneVector> starts;
-  if (hard.best.usable) {
-    starts.push_back(hard.best.theta);
-    for (const LocalScene& rival : hard.rivals)
-      if (starts.size() < contacts_pursued) starts.push_back(rival.theta);
-  }
+  std::vector<SceneVector> starts = places_of(hard);
   for (SceneVector& start : starts) start[4] = std::clamp(start[4], known.bounds.lower[4], known.bounds.upper[4]);
   std::vector<LocalScene> settled = searcher.solve(starts, Effort::settle, Motions::all);
   if (known.bounds.is_free(4) && (settled.empty() || !complete(data, known.bounds, settled.front()))) {
@@ -295,36 +285,23 @@ ContactSearch search_contact(const SceneData& data, const KnownScene& known, con
 
 FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
                                int threads) {
-  // Friction over the least force to begin with, and what it adds to the loss factor, which the restitution of a scene
-  // without it holds: about .2 of it (tools/docs/methods/compliant-contact.md).
-  constexpr std::array<double, 2> shares = {0.05, 0.2};
-  constexpr double loss_by_friction = 0.2;
+  constexpr std::size_t rubbing_pursued = 4;
   FrictionSearch result{{}, std::numeric_limits<double>::infinity()};
-  if (!without.best.usable) return result;
   SceneSearcher searcher(data, known, threads);
-  const auto start_with = [&](double friction1, double friction2) {
-    SceneVector start = without.best.theta;
-    start[first_friction] = friction1;
-    start[first_friction + 1] = friction2;
-    const double loss = std::numbers::pi / 4 * loss_ratio(start[3]) - loss_by_friction * (friction1 + friction2);
-    // Its own inverse.
-    start[3] = loss_ratio(std::max(loss, 0.0) * 4 / std::numbers::pi);
-    for (std::size_t k = 3; k < scene_size; ++k)
-      start[k] = std::clamp(start[k], known.bounds.lower[k], known.bounds.upper[k]);
-    return start;
+  const auto within = [&](std::vector<SceneVector> starts) {
+    for (SceneVector& start : starts)
+      for (std::size_t k = 3; k < scene_size; ++k)
+        start[k] = std::clamp(start[k], known.bounds.lower[k], known.bounds.upper[k]);
+    return starts;
   };
-  std::vector<LocalScene> settled = searcher.solve({start_with(0, 0)}, Effort::settle, Motions::all);
-  result.scenes.starts = without.starts + 1;
-  if (settled.empty() || !scene_adequacy(data, settled.front().choices, known.bounds.free_count()).misfits.empty()) {
-    std::vector<SceneVector> starts;
-    for (const double share : shares)
-      for (const bool is_load : {true, false}) starts.push_back(start_with(is_load ? share : 0, is_load ? 0 : share));
-    searcher.settle_too(starts, settled);
-  }
-  result.scenes.starts += searcher.starts();
+  std::vector<LocalScene> settled;
+  searcher.settle_too(within(places_of(without)), settled);
+  searcher.settle_too(within(rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued)), settled);
+  result.scenes.starts = without.starts + searcher.starts();
   if (settled.empty()) return result;
   result.scenes.best = settled.front();
-  result.evidence = evidence_over(data, without.best, result.scenes.best, known.bounds.free_count());
+  if (without.best.usable)
+    result.evidence = evidence_over(data, without.best, result.scenes.best, known.bounds.free_count());
   take_rivals(settled, rival_deviance, result.scenes);
   return result;
 }

@@ -53,7 +53,7 @@ struct FrictionSearch {
   double evidence;
 };
 
-/// Frees dry friction: from scenes without and, where these do not describe the data, from some on either mass.
+/// Frees dry friction: from scenes without, and from where the law of -1/N puts scenes with some on either mass.
 /// @param known  with limits of friction
 /// @param without  what the searches above found
 [[nodiscard]] FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,

@@ -272,6 +272,9 @@ std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& 
 
 namespace {
 
+// Of both masses, over the least force.
+using Friction = std::array<double, 2>;
+
 // What a point of x1 says if its motion has two symmetric impacts per period (tools/docs/methods/loss-factor.md).  With
 // a = (1+e)/(1-e), M = mass1 + mass2 and P = mass2 clearance
 //   Im(-1/N) = (pi/4) (M/a) omega^2,     Re N/Im N = (2 P a/(pi M))/(F |N|) - (pi/2) a.
@@ -285,58 +288,132 @@ struct Groups {
   double total, product, spread;  // M, P, a
 };
 
+class LawStarts {
+ public:
+  LawStarts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed)
+      : data_(data), bounds_(bounds), fixed_(fixed), rating_(rating_points(data)) {
+    if (fixed[3]) spread_ = (1 + *fixed[3]) / (1 - *fixed[3]);
+    if (fixed[0] && fixed[1]) total_ = *fixed[0] + *fixed[1];
+  }
+
+  /// Rates the scenes of all pairs, or of all points where one suffices, with friction of both masses, over the least
+  /// force.
+  void rate(const Friction& friction) {
+    for (std::size_t i = 0; i < rating_.size(); ++i) {
+      frac::throw_if_cancelled();
+      if (spread_ || total_) {
+        rate(friction, i, i);
+        continue;
+      }
+      for (std::size_t k = 0; k < i; ++k) rate(friction, i, k);
+    }
+  }
+  [[nodiscard]] std::vector<SceneVector> best(std::size_t count) { return best_apart(std::move(rated_), count); }
+
+ private:
+  [[nodiscard]] MeasuredPoint point_of(std::size_t i, const Masses& masses, const Friction& friction) const {
+    return without_friction(data_.points[i], data_.output, {masses.mass1, masses.mass2},
+                            {friction[0] * data_.force_unit, friction[1] * data_.force_unit});
+  }
+  // Impacts take energy, so that Im N is positive; empty where it is not.
+  static std::optional<LawPoint> law_of(const MeasuredPoint& point) {
+    const double size = std::abs(point.value);
+    if (!(point.value.imag() > 0)) return std::nullopt;
+    const double mass = point.value.imag() / (half_pi / 2 * std::pow(size * point.omega, 2));
+    return LawPoint{mass, 1 / (half_pi * point.force * size * mass), point.value.real() / point.value.imag()};
+  }
+  // A restitution from 0 on has a from 1 on, of which noise may fall short.
+  [[nodiscard]] std::optional<Groups> groups_of(const LawPoint& one, const LawPoint& other) const {
+    Groups groups{};
+    if (spread_ || total_) {
+      const double a = spread_ ? *spread_ : *total_ / one.effective_mass;
+      groups = {a * one.effective_mass, (one.ratio + half_pi * a) / one.compliance, a};
+    } else {
+      const double product = (one.ratio - other.ratio) / (one.compliance - other.compliance);
+      const double a = (product * one.compliance - one.ratio) / half_pi;
+      groups = {a * std::sqrt(one.effective_mass * other.effective_mass), product, a};
+    }
+    const bool is_scene = groups.spread > 0 && groups.product > 0 && std::isfinite(groups.product + groups.total);
+    return is_scene ? std::optional(groups) : std::nullopt;
+  }
+  [[nodiscard]] Masses masses_of(const Groups& groups) const {
+    return shares_of(groups.total, fixed_[0], known_mass2(std::log(groups.product), fixed_));
+  }
+
+  void rate(const Friction& friction, std::size_t one, std::size_t other) {
+    // The masses tell what the mass that is not measured does, and are told by that: settled to some percent.
+    constexpr int rounds_with_friction = 4;
+    const bool rubs = friction[0] > 0 || friction[1] > 0;
+    std::optional<Groups> groups;
+    for (int round = 0; round < (rubs ? rounds_with_friction : 1); ++round) {
+      const double like = fixed_[0].value_or(fixed_[1].value_or(1));
+      const Masses masses = groups ? masses_of(*groups) : Masses{like, like};
+      const auto first = law_of(point_of(rating_[one], masses, friction));
+      const auto second = law_of(point_of(rating_[other], masses, friction));
+      groups = first && second ? groups_of(*first, *second) : std::nullopt;
+      if (!groups) return;
+    }
+    const double log_product = std::log(groups->product);
+    SceneVector theta =
+        scene(masses_of(*groups), log_product, std::max(0.0, (groups->spread - 1) / (groups->spread + 1)), bounds_);
+    const Masses masses = {std::exp(theta[0]), std::exp(theta[1])};
+    const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
+    double cost = 0;
+    for (const std::size_t i : rating_) {
+      const MeasuredPoint point = point_of(i, masses, friction);
+      double least = data_.robust_cost(point, std::nullopt);
+      if (const auto response = two_impact_response(gamma_at(theta, point), theta[3]))
+        least = std::min(least, data_.robust_cost(point, point_value(coefficients, point, response->h)));
+      cost += least;
+    }
+    std::copy(friction.begin(), friction.end(), theta.begin() + first_friction);
+    rated_.push_back({theta, theta[1] + theta[2], cost});
+  }
+
+  static constexpr double half_pi = std::numbers::pi / 2;
+  const SceneData& data_;
+  const SceneBounds& bounds_;
+  const FixedScene& fixed_;
+  std::vector<std::size_t> rating_;
+  std::optional<double> spread_, total_;
+  std::vector<RatedStart> rated_;
+};
+
+bool law_speaks(const SceneData& data) {
+  return data.output == Output::x1 && data.component == frac::Component::both;
+}
+
 }  // namespace
 
 std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
                                     std::size_t count) {
-  constexpr double half_pi = std::numbers::pi / 2;
-  if (data.output != Output::x1 || data.component != frac::Component::both) return {};
-  const std::vector<std::size_t> rating = rating_points(data);
-  std::vector<LawPoint> points;
-  for (const std::size_t i : rating) {
-    const MeasuredPoint& point = data.points[i];
-    const double size = std::abs(point.value);
-    // Impacts take energy, so that Im N is positive.
-    if (!(point.value.imag() > 0)) continue;
-    const double mass = point.value.imag() / (half_pi / 2 * std::pow(size * point.omega, 2));
-    points.push_back({mass, 1 / (half_pi * point.force * size * mass), point.value.real() / point.value.imag()});
-  }
-  std::vector<RatedStart> rated;
-  const auto rate = [&](const Groups& groups) {
-    // A restitution from 0 on has a from 1 on, of which noise may fall short.
-    if (!(groups.spread > 0 && groups.product > 0 && std::isfinite(groups.product + groups.total))) return;
-    const double log_product = std::log(groups.product);
-    const SceneVector theta = scene(shares_of(groups.total, fixed[0], known_mass2(log_product, fixed)), log_product,
-                                    std::max(0.0, (groups.spread - 1) / (groups.spread + 1)), bounds);
-    const OutputCoefficients coefficients = output_coefficients(theta, data.output);
-    double cost = 0;
-    for (const std::size_t i : rating) {
-      const MeasuredPoint& point = data.points[i];
-      double least = data.robust_cost(point, std::nullopt);
-      if (const auto response = two_impact_response(gamma_at(theta, point), theta[3]))
-        least = std::min(least, data.robust_cost(point, point_value(coefficients, point, response->h)));
-      cost += least;
-    }
-    rated.push_back({theta, theta[1] + theta[2], cost});
-  };
-  std::optional<double> spread, total;
-  if (fixed[3]) spread = (1 + *fixed[3]) / (1 - *fixed[3]);
-  if (fixed[0] && fixed[1]) total = *fixed[0] + *fixed[1];
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    frac::throw_if_cancelled();
-    if (spread || total) {
-      // One point suffices.
-      const double a = spread ? *spread : *total / points[i].effective_mass;
-      rate({a * points[i].effective_mass, (points[i].ratio + half_pi * a) / points[i].compliance, a});
+  if (!law_speaks(data)) return {};
+  LawStarts starts(data, bounds, fixed);
+  starts.rate({0, 0});
+  return starts.best(count);
+}
+
+std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
+                                        std::size_t count) {
+  // Powers of 4 up to what stops most motions.
+  constexpr std::array<double, 3> shares = {0, 0.05, 0.2};
+  LawStarts starts(data, bounds, fixed);
+  std::vector<SceneVector> places;
+  for (const double of_drive : shares) {
+    if (law_speaks(data)) {
+      for (const double of_load : shares) starts.rate({of_load, of_drive});
       continue;
     }
-    for (std::size_t k = 0; k < i; ++k) {
-      const double product = (points[i].ratio - points[k].ratio) / (points[i].compliance - points[k].compliance);
-      const double a = (product * points[i].compliance - points[i].ratio) / half_pi;
-      rate({a * std::sqrt(points[i].effective_mass * points[k].effective_mass), product, a});
+    if (of_drive == 0) continue;
+    SceneData smooth = data;
+    for (MeasuredPoint& point : smooth.points)
+      point = without_friction(point, data.output, {1, 1}, {0, of_drive * data.force_unit});
+    for (SceneVector& place : scene_starts(smooth, bounds, fixed, {}, false, count / (shares.size() - 1))) {
+      place[first_friction + 1] = of_drive;
+      places.push_back(place);
     }
   }
-  return best_apart(std::move(rated), count);
+  return law_speaks(data) ? starts.best(count) : places;
 }
 
 }  // namespace backlash::detail

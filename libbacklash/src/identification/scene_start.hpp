@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "scene_solver.hpp"
@@ -26,5 +27,10 @@ using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clear
 /// scene is that of all such points.  Empty for x2 and for one component.
 [[nodiscard]] std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds,
                                                   const FixedScene& fixed, std::size_t count);
+
+/// Places with dry friction: those that the law gives for points as masses without it would have them, of friction on
+/// either mass and on both, and for x2 and for one component the nodes of a grid, of friction on mass 2.
+[[nodiscard]] std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds& bounds,
+                                                      const FixedScene& fixed, std::size_t count);
 
 }  // namespace backlash::detail

@@ -133,7 +133,15 @@ std::string in_drive_words(const Options& options, const std::string& message) {
 
 std::optional<Cascade> Cascade::of(std::string_view option, const std::string& text) {
   constexpr std::string_view head = "cascade(";
-  if (!text.starts_with(head) || !text.ends_with(')')) return std::nullopt;
+  const std::size_t at = text.find(head);
+  if (at == std::string::npos) return std::nullopt;
+  std::size_t end_of_words = head.size();
+  for (int depth = 1; end_of_words < text.size() && depth > 0; ++end_of_words)
+    depth += text[end_of_words] == '(' ? 1 : text[end_of_words] == ')' ? -1 : 0;
+  if (at != 0 || end_of_words != text.size() || text.back() != ')')
+    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) +
+                                ": a cascade stands alone, cascade(K1, K2, T); with a dead time L write its formula, "
+                                "exp(-L s) (K1 + s) (K2 + K2/(T s)), which differs in what it makes of a set-point");
   std::vector<std::string> parts;
   const std::size_t close = text.size() - 1;
   for (std::size_t begin = head.size(); begin <= close;) {

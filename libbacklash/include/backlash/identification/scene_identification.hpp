@@ -151,7 +151,7 @@ struct SceneIdentification {
   /// Twice the logarithm of the likelihood of contacts that take time over that of hard ones, each at its best and at
   /// its own noise; NaN for ContactModel::hard.
   double contact_evidence;
-  /// friction1 and friction2 (N).  Empty where the estimate is a scene without friction.
+  /// friction1 and friction2 (N).  Empty where the values are those of a scene without friction.
   std::vector<SceneEstimate> friction;
   /// Whether the data tell friction from none, by a likelihood ratio that chance reaches once in a thousand.
   FrictionVerdict friction_verdict;
@@ -226,8 +226,11 @@ struct SceneIdentification {
 ///
 /// Then dry friction of both masses, from 0 on, is freed in the same way, each point being compared with the stable
 /// orbit of one period that Newton's method on the flow finds.  FrictionModel::automatic takes the scene with friction
-/// where the data tell it from none, and else answers for a scene without; FrictionModel::estimate answers with
-/// friction and intervals that hold for all friction that the data allow.
+/// where the data tell it from none, and else answers for a scene without, whose intervals reach over those of the
+/// scene with friction; FrictionModel::estimate answers with friction.  Intervals of both hold for all friction that
+/// the data allow.  Where no scene with friction was found, nothing counts as identified.
+///
+/// Points of x1 with N = 0, of a load at rest, form no residuals and are not listed.
 /// @throws std::invalid_argument  no curve of the fundamental; a harmonic other than 1, 3 and 5; a force amplitude not
 ///     positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
