@@ -166,8 +166,8 @@ class ProjectedData {
 struct Effort {
   int iterations;
   double tolerance;  // gains below this fraction of the cost are none
-  /// The cost that is of use: a search ends where it would stay above if each step left took the share of the cost that
-  /// the next one promises.
+  /// The cost that is of use: after its first few steps, which bounds may hold, a search ends where it would stay above
+  /// if each step left took twice the share of the cost that the next one promises.
   double below = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] Effort in_reach_of(double cost) const { return {iterations, tolerance, cost}; }
@@ -220,8 +220,10 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
       const Eigen::VectorXd step = normal.step(lower.cwiseMax(-size * moderate), upper.cwiseMin(size * moderate));
       const double expected = normal.gain(step);
       if (!(expected > effort.tolerance * linear.cost)) break;
+      constexpr int first_steps = 4;
       const double kept = std::max(1 - expected / linear.cost, 0.0);
-      if (attempt == 0 && linear.cost * std::pow(kept, effort.iterations - iteration) > effort.below) break;
+      const int left = effort.iterations - iteration;
+      if (attempt == 0 && iteration >= first_steps && linear.cost * std::pow(kept, 2 * left) > effort.below) break;
       Shape next = problem.stepped(shape, step);
       Eigen::MatrixXcd columns = problem.columns(next);
       auto projection = data.project(columns);

@@ -16,10 +16,10 @@ namespace {
 
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
-constexpr int hopeless_rounds = 12;
+constexpr int hopeless_rounds = 16;
 constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
 constexpr std::size_t agreement = 4;
-constexpr double enough_confidence = 0.9, enough_for_hopeless = 0.8;
+constexpr double enough_confidence = 0.9;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
 // came to rest is finished only if within the second: the minimum of all residuals next to that of 40 of them is lower
 // by the share of noise that parameters follow, k/40 or so.
@@ -129,8 +129,7 @@ class Search {
     return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
   }
   [[nodiscard]] bool settled() const {
-    const double enough = result_.best.cost > hopeless_ ? enough_for_hopeless : enough_confidence;
-    return at_best() + on_the_way() >= agreement && (only_start_ || confidence() >= enough);
+    return at_best() + on_the_way() >= agreement && (only_start_ || confidence() >= enough_confidence);
   }
   /// Ends near the best of a hopeless structure from which the cost still falls: they say nothing of another minimum.
   [[nodiscard]] std::size_t on_the_way() const {
