@@ -155,8 +155,8 @@ void resolve(const Data& data, const Options& options, detail::RatioGrowths& rat
 
 /// Where the model is the best of the exact laws fitted before that it contains, which draws seldom come upon.
 std::optional<std::vector<double>> start_at_contained(const NamedModel& model, std::vector<const Outcome*> fitted) {
-  constexpr double exact = 1e-9;  // residuals
-  std::erase_if(fitted, [](const Outcome* each) { return !each->fit || each->fit->relative_rms > exact; });
+  constexpr double rounding = 1e-9;
+  std::erase_if(fitted, [](const Outcome* each) { return !each->fit || each->fit->relative_rms > rounding; });
   std::stable_sort(fitted.begin(), fitted.end(),
                    [](const Outcome* a, const Outcome* b) { return a->fit->cost < b->fit->cost; });
   for (const Outcome* simple : fitted) {
@@ -246,8 +246,8 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
                    [&](const Outcome* a, const Outcome* b) { return parameters(a) < parameters(b); });
   for (Outcome* rich : fitted) {
     std::vector<const Outcome*> better;
-    constexpr double rounding = 1e-9, exact = 1e-12;
-    if (rich->fit->relative_rms <= exact) continue;  // nothing is lower but by rounding
+    constexpr double rounding = 1e-9;
+    if (rich->fit->relative_rms <= rounding) continue;  // nothing is lower but by rounding
     for (const Outcome* simple : fitted) {
       if (parameters(simple) <= parameters(rich) && simple->fit->cost < rich->fit->cost * (1 - rounding))
         better.push_back(simple);
