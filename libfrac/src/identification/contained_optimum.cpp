@@ -273,8 +273,7 @@ std::vector<const NamedModel*> largest_contained(const Structure& structure,
 
 std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, const FitResult& simple) {
   const std::optional<Containment> found = containment_of(Structure(rich.formula), limits_of(rich), simple);
-  // Beside an exact law what vanishes only as a limit has vanished.
-  return found ? std::optional(found->at(simple.relative_rms <= rounding ? nothing : hardly_anything)) : std::nullopt;
+  return found ? std::optional(found->at(nothing)) : std::nullopt;
 }
 
 template <class Data>

@@ -21,7 +21,7 @@ namespace frac::detail {
 [[nodiscard]] std::vector<const NamedModel*> largest_contained(const Structure& structure,
                                                                const std::vector<ParameterLimits>& limits);
 
-/// Where a structure is another one at its optimum, or next to it where it is that as a limit; empty where it is not
+/// Where a structure is another one at its optimum, to rounding where it is that as a limit; empty where it is not
 /// within its limits.
 [[nodiscard]] std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, const FitResult& simple);
 

@@ -148,9 +148,10 @@ void resolve(const Data& data, const Options& options, detail::RatioGrowths& rat
   take(*members.set_aside, *outcome.set_aside);
 }
 
-/// Where the model is the best of the structures fitted before that it contains, at their optimum.
+/// Where the model is the best of the exact laws fitted before that it contains, which draws seldom come upon.
 std::optional<std::vector<double>> start_at_contained(const NamedModel& model, std::vector<const Outcome*> fitted) {
-  std::erase_if(fitted, [](const Outcome* each) { return !each->fit; });
+  constexpr double rounding = 1e-9;
+  std::erase_if(fitted, [](const Outcome* each) { return !each->fit || each->fit->relative_rms > rounding; });
   std::stable_sort(fitted.begin(), fitted.end(),
                    [](const Outcome* a, const Outcome* b) { return a->fit->cost < b->fit->cost; });
   for (const Outcome* simple : fitted) {
@@ -241,8 +242,8 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
                    [&](const Outcome* a, const Outcome* b) { return parameters(a) < parameters(b); });
   for (Outcome* rich : fitted) {
     std::vector<const Outcome*> better;
-    constexpr double rounding = 1e-9, exact = 1e-12;
-    if (rich->fit->relative_rms <= exact) continue;  // nothing is lower but by rounding
+    constexpr double rounding = 1e-9;
+    if (rich->fit->relative_rms <= rounding) continue;  // nothing is lower but by rounding
     for (const Outcome* simple : fitted) {
       if (parameters(simple) <= parameters(rich) && simple->fit->cost < rich->fit->cost * (1 - rounding))
         better.push_back(simple);
@@ -310,7 +311,7 @@ FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedMode
       if (each->fit) hopeless = std::min(hopeless, by_far(each->fit->residuals) * each->fit->cost);
     }
   }
-  // Those of few parameters first: others start from their optima, too, which over time would be short of a search.
+  // Those of few parameters first: others start also where they are an exact one of these.
   std::map<std::size_t, std::vector<Outcome*>> by_parameters;
   for (std::size_t i = families; i < outcomes.size(); ++i)
     by_parameters[detail::is_response<Data> ? parameters_of(outcomes[i].model) : 0].push_back(&outcomes[i]);

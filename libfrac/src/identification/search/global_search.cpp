@@ -16,7 +16,6 @@ namespace {
 
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
-constexpr int hopeless_rounds = 16;
 constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
@@ -28,8 +27,6 @@ constexpr double in_reach = 3;
 // Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
 // poor ones.
 constexpr double equally_good = 1e-3;
-// Of a structure that something else beats by far the row of a ranking is promised to 1 % of its rms, 2 % of its cost.
-constexpr double equally_poor = 1e-2;
 constexpr double rival = 1.5;
 // Of mean squares of residuals over all points and over those scouted: noise alone gives 40 points a standard deviation
 // of 1/sqrt(20) = 22 % or less, so this is more than four of them.
@@ -74,7 +71,7 @@ class Search {
       const bool hopeless = is_hopeless();
       if (!hopeless && round + 1 < least) continue;
       finish_promising();
-      const bool last = !only_start_ && round + 1 >= hopeless_rounds;
+      const bool last = !only_start_ && round + 1 == rounds;
       if (hopeless && (settled() || last)) {
         if (!only_start_) go_on();
         result_.left_early = settled() || last;
@@ -129,18 +126,10 @@ class Search {
     return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
   }
   [[nodiscard]] bool settled() const {
-    return at_best() + on_the_way() >= agreement && (only_start_ || confidence() >= enough_confidence);
-  }
-  /// Ends near the best of a hopeless structure from which the cost still falls: they say nothing of another minimum.
-  [[nodiscard]] std::size_t on_the_way() const {
-    if (only_start_ || !(result_.best.cost > hopeless_)) return 0;
-    return static_cast<std::size_t>(std::count_if(scouts_.begin(), scouts_.end(), [&](const Scout& scout) {
-      return !scout.local.converged && scout.end <= rival * result_.best.cost && !same(scout.end, result_.best.cost);
-    }));
+    return at_best() >= agreement && (only_start_ || confidence() >= enough_confidence);
   }
   [[nodiscard]] bool same(double cost, double least) const {
-    const double share = least > hopeless_ && !only_start_ ? equally_poor : equally_good;
-    return cost <= least * (1 + share) + residuals_.rounding_cost();
+    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
   }
 
   [[nodiscard]] std::size_t at_best() const {
@@ -148,12 +137,10 @@ class Search {
         scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return same(scout.end, result_.best.cost); }));
   }
 
-  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.  Of a hopeless structure an end that
-  /// the cost still falls from is none.
+  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.
   [[nodiscard]] std::size_t minima() const {
-    std::vector<double> costs{result_.best.cost};
-    for (const Scout& scout : scouts_)
-      if (scout.local.converged || !(result_.best.cost > hopeless_)) costs.push_back(scout.end);
+    std::vector<double> costs;
+    for (const Scout& scout : scouts_) costs.push_back(scout.end);
     std::sort(costs.begin(), costs.end());
     const double floor = residuals_.rounding_cost();
     std::size_t count = 0;
@@ -214,10 +201,10 @@ class Search {
     }
   }
 
-  /// Lets a scout that was stopped early come to rest.
+  /// Lets a scout that was stopped early come to rest, or a hopeless one near it: the best of these go on in the end.
   void pursue(Scout& scout) {
     LocalOptions patient = scouting_options();
-    patient.iterations = 200;
+    patient.iterations = is_hopeless() && !only_start_ ? 40 : 200;
     scout.local = local_solve(scouting_, scout.local.theta, patient);
     scout.end = residuals_.cost(scout.local.theta);
   }
