@@ -63,6 +63,7 @@ CALLS = {
     "jump_law": (fracfit.jump_law, {"restitution": [0.5], "force": [10.0, 20.0], "clearance": [0.1, 0.2]}),
     "history": (fracfit.history, {"omega": 2.0, "restitution": 0.5, "periods": 1, "samples": 2}),
     "multisine": (fracfit.multisine, {"band": (1.0, 20.0), "period": 10.0, "sample_time": 0.1, "rounds": 3}),
+    "stepped_sine_plan": (fracfit.stepped_sine_plan, {"next_measurement": (1.0, 20.0, 3), "total_time": 1000.0}),
     "response": (fracfit.response, {"data": TIME, "input": np.sin(8 * TIME), "output": np.cos(8 * TIME)}),
     "response_by_step": (fracfit.response, {"input": np.sin(8 * TIME), "output": np.cos(8 * TIME), "sample_time": 0.1, "excitation": "arbitrary"}),
     "basins": (fracfit.basins, {"omega": 2.0, "restitution": 0.5, "position": [0.5], "velocity": [0.0]}),

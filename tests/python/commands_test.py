@@ -180,6 +180,17 @@ def test_excitations():
         np.testing.assert_allclose(spectrum, expected, atol=1e-12)
 
 
+def test_stepped_sine_plan(tmp_path):
+    asked = tmp_path / "identify.json"
+    asked.write_text(
+        '{"verdict": "undecided", "next_measurement": {"lower": 10, "upper": 40, "points": 3, "accuracy": 0.01,'
+        ' "relative_accuracy": 0.02, "expected_evidence": 12}}'
+    )
+    theirs = command_line.columns_of("multisine", "--next-measurement", asked, "--total-time", 90, "--settling", 4)
+    for name, column in fracfit.stepped_sine_plan((10, 40, 3), 90, settling=4)._columns().items():
+        same(column, theirs[name])
+
+
 def same_response(ours, theirs):
     """Every column that the program has, but the levels of the force, which it gathers from the amplitudes."""
     columns = ours._columns()

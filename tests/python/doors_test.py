@@ -67,6 +67,7 @@ def test_pandas(tmp_path):
         fracfit.limit_cycles("1 + s^0.5", restitution=0.6, starts=0),
         fracfit.orbits(2.4, 2.5, restitution=0.6)[0],
         fracfit.multisine((1, 20), period=10, sample_time=0.1),
+        fracfit.stepped_sine_plan((1, 20, 3), 1000),
     ):
         made = thing.to_dataframe()
         assert len(made) > 0

@@ -65,7 +65,7 @@ ELSEWHERE = {
     "limit-cycles": {**PAIR, "over": "a loop over calls"},
     "loop": {**PAIR, "setpoint-file": "setpoint, which may be arrays"},
     "map": {**PAIR, **QUANTITY},
-    "multisine": {"name": "a name for the exported C text"},
+    "multisine": {"name": "a name for the exported C text", **dict.fromkeys(("next-measurement", "total-time", "settling"), "stepped_sine_plan")},
     "orbits": PAIR,
     "realise": {"model": "Model", "form": "the modal one; scipy.signal has others"},
     "respond": {"model": "Model", "feedback": "Model.feedback", "omega": "Model.sine"},
@@ -74,7 +74,7 @@ ELSEWHERE = {
     "validate": {"all-points": "all are judged"},
 }
 # What Python has no word for yet.
-MISSING: dict[str, set[str]] = {"multisine": {"next-measurement", "total-time", "settling"}}
+MISSING: dict[str, set[str]] = {}
 
 
 def options_of(name):

@@ -42,7 +42,7 @@ from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries, read, sweep_names
 from ._motions import Basins, History, LoopMotion, RigRecord, basins, history, loop
 from ._model import Approximation, DigitalPower, Margins, Model, Realisation, Stability, TimeResponse, approximate
-from ._records import Multisine, RecordResponse, multisine, response
+from ._records import Multisine, RecordResponse, SteppedSinePlan, multisine, response, stepped_sine_plan
 from ._special import derivative, mittag_leffler
 
 if TYPE_CHECKING:
@@ -131,6 +131,7 @@ __all__ = [
     "RegimeMap",
     "RigRecord",
     "Stability",
+    "SteppedSinePlan",
     "TimeResponse",
     "TimeSeries",
     "approximate",
@@ -152,6 +153,7 @@ __all__ = [
     "response",
     "restitution_from_loss_factor",
     "static_describing_function",
+    "stepped_sine_plan",
     "sweep_names",
     "symmetric_loss_factor",
     *_LATER,

@@ -237,6 +237,7 @@ def response(
     sensor_delay: float,
     /,
 ) -> dict[str, Any]: ...
+def stepped_sine_plan(omega: list[float], total_time: float, settling: int, /) -> dict[str, Any]: ...
 def multisine(
     band: tuple[float, float],
     period: float,

@@ -205,6 +205,38 @@ class Multisine(_Record, Table):
         return html_table([], [], repr(self))
 
 
+class SteppedSinePlan(_Record, Table):
+    """Steps of a sine, one after the other.
+
+    Attributes
+    ----------
+    omega : ndarray
+        rad/s, of each step.
+    settling, measuring : ndarray of int
+        Cycles of each step; those of settling come first.
+    begin, end : ndarray
+        s, of each step, settling included.
+    """
+
+    omega: Array
+    settling: Array
+    measuring: Array
+    begin: Array
+    end: Array
+
+    def _columns(self) -> dict[str, Any]:
+        return {"omega_rad_s": self.omega, "settling_cycles": self.settling, "measuring_cycles": self.measuring, "begin_s": self.begin, "end_s": self.end}
+
+    def _head(self) -> dict[str, str]:
+        return {"total_time_s": repr(float(self.end[-1]))}
+
+    def __repr__(self) -> str:
+        return f"SteppedSinePlan({self.omega.size} steps, {short(float(self.end[-1]))} s)"
+
+    def _repr_html_(self) -> str:
+        return html_table([], [], repr(self))
+
+
 @named
 def response(
     data: Any = None,
@@ -462,3 +494,39 @@ def multisine(
     if not 1 <= sent <= _MOST_SAMPLES // size:
         raise ValueError(f"periods is {sent} of {size} samples each; allowed is 1 to {_MOST_SAMPLES // size}")
     return Multisine({"time": np.arange(sent * size) * every, "input": np.tile(made["input"], sent), **{k: v for k, v in made.items() if k != "input"}})
+
+
+@named
+def stepped_sine_plan(next_measurement: Any, total_time: float, *, settling: int = 10) -> SteppedSinePlan:
+    """Steps of a sine where an undecided identification asks for them, each measured as long as the others.
+
+    Parameters
+    ----------
+    next_measurement : (float, float, int)
+        From omega to omega, rad/s, so many points, even in the logarithm: `Identification.next_measurement`.
+    total_time : float
+        s, of all steps.
+    settling : int
+        Cycles of each step before those that are measured, six or more.
+
+    See Also
+    --------
+    identify : what asks for the measurement.
+    multisine : all frequencies at once.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> plan = fracfit.stepped_sine_plan((0.1, 10, 5), 2000)
+    >>> plan.omega.size, bool(plan.end[-1] <= 2000), int(plan.measuring.min()) >= 6
+    (5, True, True)
+    """
+    try:
+        low, high, points = next_measurement
+    except (TypeError, ValueError):
+        raise ValueError(f"next_measurement is {next_measurement!r}; expected (from omega, to omega, points), as Identification.next_measurement") from None
+    lower, upper, steps = number(low, "next_measurement"), number(high, "next_measurement"), count(points, "next_measurement")
+    if not 0 < lower <= upper < np.inf or not 1 <= steps <= _MOST_SAMPLES:
+        raise ValueError(f"next_measurement is {next_measurement!r}; expected 0 < from omega <= to omega and 1 to {_MOST_SAMPLES} points")
+    omega = [lower * (upper / lower) ** (i / (steps - 1) if steps > 1 else 0.5) for i in range(steps)]
+    return SteppedSinePlan(_core.stepped_sine_plan(omega, number(total_time, "total_time"), count(settling, "settling")))

@@ -126,11 +126,31 @@ py::dict multisine(const std::pair<double, double>& band, double period, double 
   return result;
 }
 
+py::dict stepped_sine_plan(const std::vector<double>& omega, double total_time, std::size_t settling) {
+  std::vector<double> at, begin, end;
+  std::vector<std::int64_t> settles, measures;
+  for (const frac::SteppedSineStep& step : frac::stepped_sine_plan(omega, total_time, settling)) {
+    at.push_back(step.omega);
+    settles.push_back(static_cast<std::int64_t>(step.settling));
+    measures.push_back(static_cast<std::int64_t>(step.measuring));
+    begin.push_back(step.begin);
+    end.push_back(step.end);
+  }
+  py::dict result;
+  result["omega"] = array_of(at);
+  result["settling"] = array_of(settles);
+  result["measuring"] = array_of(measures);
+  result["begin"] = array_of(begin);
+  result["end"] = array_of(end);
+  return result;
+}
+
 }  // namespace
 
 void add_records(py::module_& module) {
   module.def("response", &response);
   module.def("multisine", &multisine);
+  module.def("stepped_sine_plan", &stepped_sine_plan);
 }
 
 }  // namespace python
