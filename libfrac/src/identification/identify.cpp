@@ -316,7 +316,8 @@ FittedCandidates fitted_candidates(const Data& data, const std::vector<NamedMode
   for (std::size_t i = families; i < outcomes.size(); ++i)
     by_parameters[detail::is_response<Data> ? parameters_of(outcomes[i].model) : 0].push_back(&outcomes[i]);
   std::vector<const Outcome*> fitted;
-  for (const auto& [count, alike] : by_parameters) {
+  for (const auto& group : by_parameters) {
+    const std::vector<Outcome*>& alike = group.second;
     parallel_for(alike.size(), threads,
                  [&](std::size_t i) { fit_candidate(data, options, growing, hopeless, ratios, fitted, *alike[i]); });
     fitted.insert(fitted.end(), alike.begin(), alike.end());
