@@ -275,7 +275,8 @@ TEST(Verdict, WhatPredictsWorseIsNotSupportedEvenWhereItAloneFollows) {
                                       .orders = {true, &order, 0, false},
                                       .departure = {.evidence = 139.6, .parameters = 25},
                                       .only_integer_grew = false,
-                                      .rounded = false};
+                                      .rounded = false,
+                                      .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
     result.evidence = result.departure_evidence = 139.6;
@@ -300,7 +301,8 @@ TEST(Verdict, WhatPredictsWorseRefutesNothingEvenWhereItAloneFollows) {
                                       .orders = {},
                                       .departure = {.evidence = -181.3, .parameters = 6},
                                       .only_integer_grew = false,
-                                      .rounded = false};
+                                      .rounded = false,
+                                      .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
     result.evidence = result.departure_evidence = -181.3;

@@ -110,7 +110,7 @@ struct DistributionRival {
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
 /// them.
 ///
-/// supported      evidence above 10, cross-validation not
+/// supported      evidence above 10 (over time above 20), cross-validation not
 ///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
 ///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
 ///                one, and no integer-order candidate that could not be fitted.

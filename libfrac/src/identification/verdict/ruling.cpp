@@ -13,6 +13,9 @@ namespace frac::detail {
 namespace {
 
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
+// Over time a ratio with one pole more, whose price (2 ln n and that of its place) hid it, would take up to that from
+// the evidence, and a record spans too few decades of time to outweigh it.
+constexpr double supported_over_time = 20;
 constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
 // For each real pole and dead time of a ratio beyond few_relaxations more evidence is asked: odds of 3000 to 1.
 constexpr double price_of_relaxation = 16;
@@ -39,6 +42,10 @@ double evidence_to_refute(const Comparison& pair) {
 }
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
+  if (result.evidence > supported_evidence) {
+    return ", which over time has to be above " + four_digits(supported_over_time) +
+           ", since the price of one pole more may hide it";
+  }
   const std::string departing = ", and evidence against orders that depart from whole numbers by " +
                                 four_digits(least_departure) + " is " + four_digits(-result.departure_evidence);
   if (result.departure_evidence < refuted_evidence) {
@@ -54,7 +61,9 @@ std::string too_little_evidence(const IdentificationResult& result, const Compar
 std::string against_fractional(const IdentificationResult& result, const Comparison& pair,
                                const std::vector<std::string>& skipped_rivals) {
   const Finalist &f = *result.fractional, &i = *result.integer;
-  if (!(result.evidence > supported_evidence)) return too_little_evidence(result, pair);
+  if (!(result.evidence > (pair.over_time ? supported_over_time : supported_evidence))) {
+    return too_little_evidence(result, pair);
+  }
   const bool decided = (pair.orders.decided && !pair.orders.all_nearly_whole) || !pair.orders.any_free;
   if (!decided) return ", but no order can be told from a whole number";
   if (pair.rounded && f.parameters > i.parameters) {

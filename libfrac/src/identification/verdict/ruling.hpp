@@ -19,6 +19,7 @@ struct Comparison {
   Departure departure;
   bool only_integer_grew;  // it is the member of a family, and no fractional family grew
   bool rounded;            // the values, so coarsely that their steps are a shape of their own
+  bool over_time;
 };
 
 /// The verdict that the rules of IdentificationResult give on its evidence and predictions.

@@ -145,7 +145,8 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
           .orders = orders_of(f.ranked.fit, share),
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
-          .rounded = rounded};
+          .rounded = rounded,
+          .over_time = !is_response<Data>};
 }
 
 template <class Data>
