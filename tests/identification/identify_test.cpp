@@ -127,22 +127,25 @@ TEST(Identify, DoesNotDependOnThreads) {
   for (std::size_t i = 0; i < one.ranking.size(); ++i) EXPECT_EQ(one.ranking[i].fit.cost, two.ranking[i].fit.cost);
 }
 
-// Whatever the ranking thinks of a structure, its row is the optimum of that structure: what fit() finds from other
-// draws. Two solves of one minimum agree to 1e-6; another minimum of these data is 2 % or more above.
+// Whatever the ranking thinks of a structure, its row is the optimum of that structure: no higher than what fit() finds
+// from other draws.  Two solves of one minimum agree to 1e-6; another minimum of these data is 1.5 % or more above.  A
+// search by itself finds the lowest with probability .95, so that fit() misses more than 5 of 30 in 1 of 300 rankings.
 TEST(Identify, EveryRowIsTheOptimumOfItsStructure) {
   frac::FitOptions options = both_parts();
   options.weight = frac::Weight::relative;
   const auto data = noisy("K s^a/(T s^b + 1)", {2, 0.3, 0.5, 0.8}, 0.003, 11);
   const auto result = frac::identify(data, frac::default_candidates(), {}, options);
   options.seed = 2;
-  int compared = 0;
+  int compared = 0, missed_by_fit = 0;
   for (const frac::RankedFit& row : result.ranking) {
     if (row.from_family) continue;
     options.constraints = row.model.constraints;
     const double best = frac::fit(data, frac::Structure(row.model.formula), options).rms;
-    EXPECT_NEAR(row.fit.rms / best, 1, 0.01) << row.name;
+    EXPECT_LE(row.fit.rms / best, 1.01) << row.name;
+    missed_by_fit += row.fit.rms / best < 0.99 ? 1 : 0;
     ++compared;
   }
+  EXPECT_LE(missed_by_fit, 5);
   EXPECT_GT(compared, 20);
 }
 
