@@ -228,9 +228,7 @@ std::vector<NamedModel> default_candidates() {
 
 std::vector<NamedModel> default_candidates_over_time() {
   std::vector<NamedModel> candidates = default_candidates();
-  std::erase_if(candidates, [](const NamedModel& model) {
-    return model.is_family() && !model.rational;
-  });
+  std::erase_if(candidates, [](const NamedModel& model) { return model.is_family() && !model.rational; });
   return candidates;
 }
 
