@@ -62,7 +62,7 @@ frac::TimeResponseData switched_record(const char* formula, double noise, double
   return {time, input, output};
 }
 
-const frac::ParameterEstimate& estimate(const frac::FitResult& fit, const std::string& name) {
+frac::ParameterEstimate estimate(const frac::FitResult& fit, const std::string& name) {
   return *std::find_if(fit.parameters.begin(), fit.parameters.end(),
                        [&](const auto& each) { return each.name == name; });
 }
@@ -184,7 +184,7 @@ TEST(TimeGrowth, FindsTheOrderOfARatioInAPowerOfS) {
     options.constraints = model.constraints;
     options.global_start = false;
     const auto fit = frac::fit(data, frac::Structure(model.formula), options);
-    const frac::ParameterEstimate& order = estimate(fit, "a");
+    const frac::ParameterEstimate order = estimate(fit, "a");
     EXPECT_LT(std::abs(order.value - 0.7), 4 * order.standard_error);
     EXPECT_LT(order.standard_error, 0.02);
   }
