@@ -67,14 +67,19 @@ frac::ParameterEstimate estimate(const frac::FitResult& fit, const std::string& 
                        [&](const auto& each) { return each.name == name; });
 }
 
+/// The fit of a member of a family, from where its growth ended.
+frac::FitResult fit_of(const frac::NamedModel& member, const frac::TimeResponseData& data) {
+  frac::TimeFitOptions options;
+  options.constraints = member.constraints;
+  options.global_start = false;
+  return frac::fit(data, frac::Structure(member.formula), options);
+}
+
 TEST(TimeGrowth, FindsThreePoles) {
   const auto data = step_record(three_lags, 15, 301, 1e-3, 1);
   const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational"), frac::TimeFitOptions{});
   EXPECT_TRUE(model.name.ends_with("/3")) << model.name;
-  frac::TimeFitOptions options;
-  options.constraints = model.constraints;
-  options.global_start = false;
-  const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+  const auto fit = fit_of(model, data);
   // 301 residuals tell the noise to 4 % (1/sqrt(602)); four times that.
   EXPECT_NEAR(fit.rms / 1e-3, 1, 0.16) << model.formula;
 }
@@ -115,10 +120,7 @@ TEST(TimeGrowth, ZerosAndPolesMayBeToldByTheirNumber) {
   const auto data = step_record(three_lags, 15, 301, 0, 1);
   const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational:0/3"), frac::TimeFitOptions{});
   EXPECT_EQ(model.formula, "(b0)/((s/p1 + 1) (s/p2 + 1) (s/p3 + 1))");
-  frac::TimeFitOptions options;
-  options.constraints = model.constraints;
-  options.global_start = false;
-  const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+  const auto fit = fit_of(model, data);
   // Rounding of 1e-16, times the condition of three poles within a decade on such a record, some 1e6.
   const double poles[] = {0.5, 1, 2.5};
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(fit.parameters[1 + i].value, poles[i], 1e-8);
@@ -165,10 +167,7 @@ TEST(TimeGrowth, FindsTheModesOfAFlexibleMachine) {
     const frac::TimeResponseData data(time, input, output);
     const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational"), frac::TimeFitOptions{});
     EXPECT_NE(model.name.find("/6"), std::string::npos) << formula << ": " << model.name;
-    frac::TimeFitOptions options;
-    options.constraints = model.constraints;
-    options.global_start = false;
-    const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+    const auto fit = fit_of(model, data);
     EXPECT_NEAR(fit.rms / std::sqrt(noise / 1000), 1, 0.09) << formula << ": " << model.name;
   }
 }
@@ -180,10 +179,7 @@ TEST(TimeGrowth, FindsTheOrderOfARatioInAPowerOfS) {
     const auto data = switched_record("1/((s/3)^1.4 + 0.5 (s/3)^0.7 + 1)", 0.01, 0, seed);
     const frac::NamedModel model = frac::resolved_model(data, frac::find_model("commensurate"), frac::TimeFitOptions{});
     EXPECT_EQ(model.name, "commensurate:0/2");
-    frac::TimeFitOptions options;
-    options.constraints = model.constraints;
-    options.global_start = false;
-    const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+    const auto fit = fit_of(model, data);
     const frac::ParameterEstimate order = estimate(fit, "a");
     EXPECT_LT(std::abs(order.value - 0.7), 4 * order.standard_error);
     EXPECT_LT(order.standard_error, 0.02);
