@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page of the constants between data and verdict lists those of the sources, with their values.
+// The page of the constants between data and verdict lists those of the sources, with their values and files.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -44,9 +44,12 @@ std::vector<fs::path> judging_sources() {
 
 TEST(Judgement, EveryConstantStandsOnThePageWithItsValue) {
   const std::string page = content_of(fs::path(FRACFIT_SOURCE_DIR) / "tools/docs/judgement.md");
-  std::map<std::string, std::string> judging;
-  const std::regex row(R"(\| `([a-z_]+)` \| ([^ |]+) \| [^|\n]+ \| [^|\n]+ \|)");
-  for (std::sregex_iterator at(page.begin(), page.end(), row), end; at != end; ++at) judging[(*at)[1]] = (*at)[2];
+  std::map<std::string, std::string> judging, place;
+  const std::regex row(R"(\| `([a-z_]+)` \| ([^ |]+) \| [^|\n]+ \| [^|\n]+ \| `([a-z_/.]+)` \|)");
+  for (std::sregex_iterator at(page.begin(), page.end(), row), end; at != end; ++at) {
+    judging[(*at)[1]] = (*at)[2];
+    place[(*at)[1]] = (*at)[3];
+  }
   const std::string rest = page.substr(page.find("Numbers in the same files"));
   std::set<std::string> others;
   const std::regex name("`([a-z_]+)`");
@@ -59,6 +62,7 @@ TEST(Judgement, EveryConstantStandsOnThePageWithItsValue) {
       if (others.contains(constant)) continue;
       ASSERT_TRUE(judging.contains(constant)) << constant << " of " << file << " stands on no page";
       EXPECT_EQ(std::stod(value), std::stod(judging[constant])) << constant << " of " << file;
+      EXPECT_TRUE(file.generic_string().ends_with("identification/" + place[constant])) << constant << " of " << file;
     }
   }
   for (const auto& [constant, value] : judging) EXPECT_TRUE(seen.contains(constant)) << constant << " is in no source";
