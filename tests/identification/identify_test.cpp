@@ -6,13 +6,16 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <random>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "frac/identification/statistics.hpp"
 #include "frac/identification/validate.hpp"
+#include "identification/verdict/evidence.hpp"
 #include "identification/verdict/ruling.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
@@ -282,13 +285,93 @@ TEST(Verdict, WhatPredictsWorseIsNotSupportedEvenWhereItAloneFollows) {
                                       .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
-    result.evidence = result.departure_evidence = 139.6;
+    result.evidence = result.departure_evidence = result.evidence_beside_smooth_error = 139.6;
     result.fractional = frac::Finalist{0, 25, prediction, extrapolation};
     result.integer = frac::Finalist{1, 24, 1.3e-5, 5.5e-5};
     return frac::detail::ruling(result, pair, {}).verdict;
   };
   EXPECT_EQ(verdict(3.9e-5, 8.8e-5), Verdict::undecided);
   EXPECT_EQ(verdict(1.3e-5, 5.5e-5), Verdict::fractional_supported);
+}
+
+/// A candidate of 100 residuals of which every second one is 0, so that no neighbours go together.
+frac::detail::Competitor leaving(frac::ModelClass model_class, const char* model, std::size_t parameters, double rms) {
+  frac::detail::Competitor left;
+  left.ranked.model_class = model_class;
+  left.ranked.fit.model = model;
+  left.ranked.fit.termination = frac::FitTermination::converged;
+  left.ranked.fit.free_parameters = parameters;
+  left.ranked.fit.relative_rms = rms;
+  left.ranked.fit.residuals = 100;
+  for (int i = 0; i < 50; ++i) left.residual.insert(left.residual.end(), {rms, 0});
+  const frac::Structure structure(model);
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    frac::ParameterEstimate estimate{};
+    estimate.value = structure.parameter_roles()[i] == frac::ParameterRole::order ? 0.6 : 1;
+    estimate.standard_error = 0.01;
+    estimate.ci95_lower = estimate.value - 0.02;
+    estimate.ci95_upper = estimate.value + 0.02;
+    left.ranked.fit.parameters.push_back(estimate);
+  }
+  return left;
+}
+
+// By the formula of evidence_against(), written out: the closest leaves 0.1 %, so that the smooth error is ten times
+// that, 1 %, and what others leave beyond it counts in units of both.  A ratio of ten parameters that comes nearly as
+// close is no better than one of three that leaves 0.5 %.
+TEST(Verdict, EvidenceBesideASmoothErrorPaysForNothingThatFollowsIt) {
+  using frac::ModelClass;
+  const auto price = [](double k) { return 100 * k * std::log(100.0) / (98 - k); };
+  const auto beyond = [](double rms) { return 100 * (rms * rms - 1e-6) / (1e-6 + 1e-4); };
+  std::vector<frac::detail::Competitor> all = {
+      leaving(ModelClass::fractional, "K/(T s^a + 1)", 3, 1e-3),
+      leaving(ModelClass::integer_order, "K/(T s + 1)", 2, 0.03),
+      leaving(ModelClass::integer_order, "K (b1 s + 1)/(a2 s^2 + a1 s + 1)", 10, 1.2e-3)};
+  const double of_ratio = beyond(1.2e-3) + price(10) - price(3);
+  EXPECT_NEAR(frac::detail::evidence_beside_smooth_error(all, 1).fractional, of_ratio, 1e-9 * of_ratio);
+  all.push_back(leaving(ModelClass::integer_order, "K/(a2 s^2 + a1 s + 1)", 3, 5e-3));
+  EXPECT_NEAR(frac::detail::evidence_beside_smooth_error(all, 1).fractional, beyond(5e-3), 1e-9 * of_ratio);
+  // An order that departs already has no way to go; one of 0.95 in errors of 0.01 has 0.05, of which the smooth error
+  // takes its share of the variance.
+  EXPECT_NEAR(frac::detail::evidence_beside_smooth_error(all, 1).departing, beyond(5e-3), 1e-9 * of_ratio);
+  frac::ParameterEstimate& order = all[0].ranked.fit.parameters[2];
+  ASSERT_EQ(order.value, 0.6);
+  order.value = 0.95;
+  order.ci95_lower = 0.93, order.ci95_upper = 0.97;
+  const double error = 0.02 / frac::student_t_95(97);
+  const double falls = std::pow(0.05 / error, 2) * 1e-6 / (1e-6 + 1e-4);
+  EXPECT_NEAR(frac::detail::evidence_beside_smooth_error(all, 1).departing, beyond(5e-3) - falls, 1e-9 * of_ratio);
+  EXPECT_TRUE(std::isnan(frac::detail::evidence_beside_smooth_error({}, 1).fractional));
+}
+
+TEST(Verdict, NeitherClassIsToldAgainstTheEvidenceBesideASmoothError) {
+  const frac::detail::Competitor fractional{}, integer{};
+  frac::ParameterEstimate order{};
+  order.value = 0.52;
+  frac::detail::Comparison pair{.fractional = fractional,
+                                .integer = integer,
+                                .fractional_follows = true,
+                                .integer_follows = true,
+                                .share = 1,
+                                .orders = {true, &order, 0, false},
+                                .departure = {},
+                                .only_integer_grew = false,
+                                .rounded = false,
+                                .over_time = false};
+  const auto verdict = [&](double evidence, double beside) {
+    frac::IdentificationResult result{};
+    result.evidence = result.departure_evidence = evidence;
+    result.evidence_beside_smooth_error = result.departure_beside_smooth_error = beside;
+    result.fractional = frac::Finalist{0, 4, 1, 1};
+    result.integer = frac::Finalist{1, 4, 1, 1};
+    return frac::detail::ruling(result, pair, {}).verdict;
+  };
+  EXPECT_EQ(verdict(30, 11), Verdict::fractional_supported);
+  EXPECT_EQ(verdict(30, 9), Verdict::undecided);
+  EXPECT_EQ(verdict(-30, -1), Verdict::fractional_not_supported);
+  EXPECT_EQ(verdict(-30, 1), Verdict::undecided);
+  // Over time there is none.
+  EXPECT_EQ(verdict(30, std::numeric_limits<double>::quiet_NaN()), Verdict::fractional_supported);
 }
 
 // Nor does a ratio of 16 parameters refute: figures of a coil with eddy currents, whose outliers it alone follows.
@@ -308,7 +391,7 @@ TEST(Verdict, WhatPredictsWorseRefutesNothingEvenWhereItAloneFollows) {
                                       .over_time = false};
   const auto verdict = [&](double prediction, double extrapolation) {
     frac::IdentificationResult result{};
-    result.evidence = result.departure_evidence = -181.3;
+    result.evidence = result.departure_evidence = result.departure_beside_smooth_error = -181.3;
     result.fractional = frac::Finalist{0, 6, 0.03841, 0.05442};
     result.integer = frac::Finalist{1, 16, prediction, extrapolation};
     return frac::detail::ruling(result, pair, {}).verdict;

@@ -217,6 +217,10 @@ void describe(Result& result, const Visit& visit) {
         result.evidence);
   visit("departure_evidence", "1", "evidence for an order at least 0.1 from every whole number",
         result.departure_evidence);
+  visit("evidence_beside_smooth_error", "1", "evidence where the data may hold a smooth error of usual size",
+        result.evidence_beside_smooth_error);
+  visit("departure_beside_smooth_error", "1", "departure evidence where the data may hold such an error",
+        result.departure_beside_smooth_error);
   visit("verdict_sentence", "", "the verdict in words", result.verdict_sentence);
   visit("notes", "", "what else is to be known of verdict and choice, a sentence each", result.notes);
   visit("log10_odds", "1",

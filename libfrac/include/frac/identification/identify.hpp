@@ -110,7 +110,7 @@ struct DistributionRival {
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
 /// them.
 ///
-/// supported      evidence above 10 (over time above 20), cross-validation not
+/// supported      evidence above 10 (over time above 20), also beside a smooth error, cross-validation not
 ///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
 ///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
 ///                one, and no integer-order candidate that could not be fitted.
@@ -120,13 +120,13 @@ struct DistributionRival {
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
 ///                NamedModel::ends_its_family), nor do residuals below 1e-4 of the data fall evenly from pole to pole,
 ///                and it predicts not worse by more than a twentieth, extrapolates not by more than a half (both a half
-///                where the fractional finalist has whole orders).  Departure evidence is below -8, and by 16 more for
-///                each stable real pole and dead time of a ratio beyond two, because rows of these approximate
-///                fractional systems, also such as are among no candidates; evidence is below 2, or each order within
-///                0.02 of a whole number.  Or both meet the data to rounding, and the integer-order one has no more
-///                parameters.  Where the integer-order one is the member of a family and no fractional family could
-///                grow, as over time, it may have no more parameters than the fractional one.  Half a decade at the
-///                ends is missed by no more than a hundred times the residuals.
+///                where the fractional finalist has whole orders).  Departure evidence is below -8 (beside a
+///                smooth error not above 0), and by 16 more for each stable real pole and dead time of a ratio beyond two, because
+///                rows of these approximate fractional systems, also such as are among no candidates; evidence is below
+///                2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
+///                integer-order one has no more parameters.  Where the integer-order one is the member of a family and
+///                no fractional family could grow, as over time, it may have no more parameters than the fractional
+///                one.  Half a decade at the ends is missed by no more than a hundred times the residuals.
 /// undecided      anything else, with the next measurement that would decide.  So where one value in twenty repeats its
 ///                neighbour's, as by coarse rounding, and the better one has more parameters: it may follow the steps.
 ///
@@ -152,6 +152,10 @@ struct IdentificationResult {
   /// Evidence for the best fractional candidate, members that its family had not chosen among them, with an order at
   /// least 0.1 from every whole number.
   double departure_evidence;
+  /// Both where the data may hold a smooth error of usual size besides their noise, 1 % of the response or ten times
+  /// what the closest candidate leaves: models that spend parameters on following it gain nothing by that.  Of all
+  /// candidates; NaN over time.
+  double evidence_beside_smooth_error, departure_beside_smooth_error;
   std::string verdict_sentence;         // at most some 35 words
   std::vector<std::string> notes = {};  // what else is to be known of the verdict and of the choice, a sentence each
   /// Index into ranking of the candidate that would have been chosen but for the assumptions.

@@ -98,7 +98,8 @@ std::string share_of_data(const RationalProblem& problem, const RationalFit& fit
 
 /// The family with stable poles, unless nobody assumes them or the data speak against them.  Where the free family is
 /// unstable, its evidence is that against the stable member which the data speak against least: the chosen one may have
-/// parameters that follow a smooth error of the measurement, which are no reason against stability.
+/// parameters that follow a smooth error of the measurement, which are no reason against stability.  Where both families
+/// were cut, it tells of the number of poles and not of their places: further ones might bring the stable one as close.
 /// @param with        makes the problem of the data with poles in a region
 /// @param stable      whether the system is, as far as somebody knows
 template <class Make>
@@ -127,7 +128,7 @@ FamilyMembers rational_members(const Make& with, const RationalFamily& family, C
   for (const RationalFit& fit : held.fits) against.push_back(evidence_against(leftover(fit), closest, left.rows()));
   const auto least = std::min_element(against.begin(), against.end());
   const RationalFit& defended = held.fits[static_cast<std::size_t>(least - against.begin())];
-  const bool refuted = *least > price_of_assumption;
+  const bool refuted = *least > price_of_assumption && !(free.members.is_cut() && held.members.is_cut());
   const std::string closer = share_of_data(left, free.chosen()),
                     of_stable = share_of_data(left, refuted ? defended : held.chosen());
   held.members.stands_in = true;
@@ -201,8 +202,7 @@ FamilyMembers chosen_member(const Data& data, const NamedModel& model, const Opt
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
   const auto best_of = [&](FamilyMembers members) {
     NamedModel& best = members.models.at(members.chosen);
-    best.ends_its_family =
-        open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
+    best.ends_its_family = open_range && members.is_cut();
     members.models = {std::move(best)};
     members.chosen = 0;
     return members;

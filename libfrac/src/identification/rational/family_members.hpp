@@ -28,6 +28,9 @@ struct FamilyMembers {
   std::shared_ptr<const FamilyMembers> set_aside = nullptr;
   bool stands_in = false;  // with stable poles, for an unstable member
   bool passive = false;    // sums of passive elements
+
+  /// Whether the chosen one is the largest that was tried, and further poles might still pay.
+  [[nodiscard]] bool is_cut() const { return !exact && chosen > 0 && chosen + 1 == models.size(); }
 };
 
 /// An order departs from the whole numbers that is at least that far from each.

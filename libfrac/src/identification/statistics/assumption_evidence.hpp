@@ -33,6 +33,15 @@ struct Leftover {
   double price;        // of its parameters by Schwarz's criterion
 };
 
+/// Variance of the data that a rival leaves beside a smooth error of usual size.
+[[nodiscard]] inline double variance_beside(const Leftover& rival) {
+  return rival.rms * rival.rms + std::pow(smooth_error_beside(rival.rms), 2);
+}
+/// What share of that variance the residuals of a model have.
+[[nodiscard]] inline double share_of_noise(const Leftover& held, const Leftover& rival) {
+  return held.rms * held.rms / variance_beside(rival);
+}
+
 /// Evidence (twice the logarithm of odds) against a model that is taken to be the truth, by a rival that is not.  What
 /// the truth leaves is noise, of the size of what the rival leaves, and a smooth error of usual size; the more it
 /// leaves beyond the noise, the less likely that is, at each of the points that its correlation leaves independent.  A
@@ -40,8 +49,7 @@ struct Leftover {
 /// for them.
 /// @param residuals  count
 [[nodiscard]] inline double evidence_against(const Leftover& held, const Leftover& rival, std::size_t residuals) {
-  const double noise = rival.rms * rival.rms, smooth = std::pow(smooth_error_beside(rival.rms), 2);
-  const double beyond = (held.rms * held.rms - noise) / (noise + smooth);
+  const double beyond = (held.rms * held.rms - rival.rms * rival.rms) / variance_beside(rival);
   return static_cast<double>(residuals) * independent_share(held.correlation) * beyond + held.price - rival.price;
 }
 

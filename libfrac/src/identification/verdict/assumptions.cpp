@@ -10,7 +10,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/physical_properties.hpp"
 #include "identification/statistics/assumption_evidence.hpp"
-#include "identification/statistics/information.hpp"
+#include "identification/verdict/evidence.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/verdict_sentence.hpp"
 
@@ -48,9 +48,7 @@ class Candidates {
     }
     return found;
   }
-  [[nodiscard]] double correlation(std::size_t i) const {
-    return autocorrelation(competitors_[i].residual, residuals_per_point(data_, options_), 1);
-  }
+  [[nodiscard]] double correlation(std::size_t i) const { return leftover(i).correlation; }
   /// Evidence against one candidate by another.
   [[nodiscard]] double against(std::size_t held, std::size_t rival) const {
     return evidence_against(leftover(held), leftover(rival), competitors_[rival].residual.size());
@@ -63,9 +61,7 @@ class Candidates {
 
  private:
   [[nodiscard]] Leftover leftover(std::size_t i) const {
-    const Competitor& each = competitors_[i];
-    return {each.ranked.fit.relative_rms, correlation(i),
-            price_of_parameters(each.parameters(), static_cast<double>(each.residual.size()))};
+    return leftover_of(competitors_[i], residuals_per_point(data_, options_));
   }
   [[nodiscard]] Liberties liberties_of(const RankedFit& ranked) const {
     Liberties result;
@@ -106,11 +102,14 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
   const double evidence = candidates.against(*without, chosen);
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
   const bool excluded = options.assumptions.stable == true && taken.unstable;
-  if (evidence > count * price_of_assumption && !excluded) {
+  // Of two families that were cut, further poles might bring the one without as close.
+  const bool cut = candidates[chosen].ranked.model.ends_its_family && candidates[*without].ranked.model.ends_its_family;
+  if (evidence > count * price_of_assumption && !excluded && !cut) {
     result.notes.push_back("The data speak for " + what + ": " + comparison + ".");
     return;
   }
-  result.notes.push_back("Chosen is a model without " + what + ": " + comparison + ".");
+  const std::string though = cut ? ", though both have as many poles as are tried" : "";
+  result.notes.push_back("Chosen is a model without " + what + ": " + comparison + though + ".");
   // What is chosen may follow a smooth error: that is no reason against what it is.
   choose(result, *candidates.best(chosen, keeps, [&](std::size_t i) { return criterion(candidates[i]); }));
 }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "identification/rational/family_members.hpp"
+#include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/verdict/finalists.hpp"
 
@@ -13,13 +15,14 @@ namespace {
 
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 
-/// By how much n ln(cost/n) rises, to the curvature of the cost, on the way from an estimate to the nearest order that
-/// departs().
-/// @param widest  standard error of the estimate
-double fall_of_evidence(const FitResult& fit, double distance, double widest, double degrees) {
-  const double deviations = std::max(0.0, least_departure - distance) / widest;
-  const double fall = static_cast<double>(fit.residuals) * std::log1p(deviations * deviations / degrees);
-  return std::isnan(fall) ? 0 : fall;
+double degrees_of(const FitResult& fit) {
+  return static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
+}
+
+/// By how much n ln(cost/n) rises, to the curvature of the cost, on the way to an order that departs().
+double fall_of_evidence(const FitResult& fit, const Orders& orders) {
+  if (orders.departure == 0) return 0;
+  return static_cast<double>(fit.residuals) * std::log1p(orders.departure / degrees_of(fit));
 }
 
 }  // namespace
@@ -37,7 +40,7 @@ double evidence_for(const Competitor& fractional, const Competitor& integer, dou
 
 Orders orders_of(const FitResult& fit, double share) {
   const Structure structure(fit.model);
-  const auto degrees = static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
+  const double degrees = degrees_of(fit);
   const double widening = 1 / std::sqrt(share);
   Orders orders;
   double farthest = 1;
@@ -63,7 +66,8 @@ Orders orders_of(const FitResult& fit, double share) {
     const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
     if (!estimate.fixed && degrees > 0) {
       const double widest = std::max(above, below) * widening / student_t_95(degrees);
-      orders.departure = std::min(orders.departure, fall_of_evidence(fit, distance, widest, degrees));
+      const double deviations = std::max(0.0, least_departure - distance) / widest;
+      orders.departure = std::min(orders.departure, std::isnan(deviations) ? 0 : deviations * deviations);
     }
     orders.all_nearly_whole = orders.all_nearly_whole && distance + half_width <= nearly_whole;
     if (widths > farthest) {
@@ -83,10 +87,50 @@ Departure evidence_of_departure(const std::vector<Competitor>& competitors, cons
     if (!each.is_fractional() || each.stands_in || each.passive) continue;
     const double evidence = evidence_for(each, integer, share);
     if (!(evidence > most.evidence)) continue;
-    const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
+    const FitResult& fit = each.ranked.fit;
+    const double falls = std::min(fall_of_evidence(fit, orders_of(fit, share)), share * each.departed);
     if (evidence - falls > most.evidence) most = {evidence - falls, each.ranked.fit.free_parameters};
   }
   return most;
+}
+
+Leftover leftover_of(const Competitor& competitor, std::size_t per_point) {
+  const auto residuals = static_cast<double>(competitor.residual.size());
+  return {competitor.ranked.fit.relative_rms, autocorrelation(competitor.residual, per_point, 1),
+          price_of_parameters(competitor.parameters(), residuals)};
+}
+
+EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competitor>& competitors,
+                                                       std::size_t per_point) {
+  const Competitor* closest = nullptr;
+  const auto takes_part = [](const Competitor& each) {
+    return is_comparable(each) && !each.stands_in && !each.passive &&
+           each.ranked.fit.termination == FitTermination::converged;
+  };
+  for (const Competitor& each : competitors) {
+    if (takes_part(each) && (!closest || each.ranked.fit.relative_rms < closest->ranked.fit.relative_rms))
+      closest = &each;
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  if (!closest) return {nan, nan};
+  const Leftover least = leftover_of(*closest, per_point);
+  if (least.rms == 0) return {nan, nan};
+  double fractional = infinity, departing = infinity, integer = infinity;  // evidence against the best of each
+  for (const Competitor& each : competitors) {
+    if (!takes_part(each)) continue;
+    const Leftover own = leftover_of(each, per_point);
+    const double against = evidence_against(own, least, each.residual.size());
+    if (!each.is_fractional()) {
+      integer = std::min(integer, against);
+      continue;
+    }
+    fractional = std::min(fractional, against);
+    // A smooth error adds to the variance that the errors of the orders were told from.
+    const double share = independent_share(own.correlation);
+    const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
+    departing = std::min(departing, against + falls * share_of_noise(own, least));
+  }
+  return {integer - fractional, integer - departing};
 }
 
 }  // namespace frac::detail

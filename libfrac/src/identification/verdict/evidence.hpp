@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "identification/statistics/assumption_evidence.hpp"
 #include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
@@ -17,8 +18,8 @@ namespace frac::detail {
 struct Orders {
   bool any_free = false;
   const ParameterEstimate* decided = nullptr;  // the one farthest (in intervals) from every whole number
-  /// By how much evidence falls, to the curvature of the cost, on the way to the nearest order that departs(); 0 where
-  /// one does already.
+  /// Squared standard errors, widened as much as the share asks for, from the estimate to the nearest order that
+  /// departs(); 0 where one does already.
   double departure = std::numeric_limits<double>::infinity();
   bool all_nearly_whole = true;  // each known to be within 0.02 of one, which may lie outside the interval
 };
@@ -31,5 +32,19 @@ struct Departure {
 };
 [[nodiscard]] Departure evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer,
                                               double share);
+
+/// What a candidate leaves of the data.
+/// @param per_point  residuals of a point
+[[nodiscard]] Leftover leftover_of(const Competitor& competitor, std::size_t per_point);
+
+/// Evidence where the data may hold a smooth error of usual size beside their noise: of the best fractional candidate
+/// against the best one of integer order, all by evidence_against() the candidate that comes closest.  What follows a
+/// smooth error no longer pays for its parameters then.  NaN where a class has no candidate.
+struct EvidenceBesideSmoothError {
+  double fractional;  // of any fractional candidate
+  double departing;   // of one with an order that departs()
+};
+[[nodiscard]] EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competitor>& competitors,
+                                                                     std::size_t per_point);
 
 }  // namespace frac::detail

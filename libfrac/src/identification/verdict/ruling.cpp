@@ -64,6 +64,10 @@ std::string against_fractional(const IdentificationResult& result, const Compari
   if (!(result.evidence > (pair.over_time ? supported_over_time : supported_evidence))) {
     return too_little_evidence(result, pair);
   }
+  if (result.evidence_beside_smooth_error <= supported_evidence) {
+    return ", but beside a smooth error such as measurements have it is " +
+           four_digits(result.evidence_beside_smooth_error);
+  }
   const bool decided = (pair.orders.decided && !pair.orders.all_nearly_whole) || !pair.orders.any_free;
   if (!decided) return ", but no order can be told from a whole number";
   if (pair.rounded && f.parameters > i.parameters) {
@@ -79,6 +83,10 @@ std::string against_fractional(const IdentificationResult& result, const Compari
 /// Why the integer-order finalist may not refute, whatever the evidence; empty where it may.
 std::string against_integer_model(const IdentificationResult& result, const Comparison& pair) {
   if (!pair.integer_follows) return ", but the integer-order one does not follow the data";
+  if (result.departure_beside_smooth_error > 0) {
+    return ", but beside a smooth error such as measurements have a fractional one does better (evidence " +
+           four_digits(result.departure_beside_smooth_error) + ")";
+  }
   if (pair.rounded && result.integer->parameters > pair.departure.parameters) {
     return ", but the values are rounded so coarsely that the integer-order one, with more parameters, may follow the "
            "steps";

@@ -159,9 +159,14 @@ void predict(const Data& data, const OptionsOf<Data>& options, const Competitor&
 
 template <class Data>
 void compare(IdentificationResult& result, const Data& data, const OptionsOf<Data>& options, const Comparison& pair,
-             const std::vector<std::string>& skipped_rivals) {
+             const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.evidence = evidence_for(pair.fractional, pair.integer, pair.share);
   result.departure_evidence = pair.departure.evidence;
+  if constexpr (is_response<Data>) {
+    const auto beside = evidence_beside_smooth_error(competitors, residuals_per_point(data, options));
+    result.evidence_beside_smooth_error = beside.fractional;
+    result.departure_beside_smooth_error = beside.departing;
+  }
   if constexpr (is_response<Data>) differ_most(result, data, options, pair);
   predict(data, options, pair.fractional, *result.fractional);
   predict(data, options, pair.integer, *result.integer);
@@ -200,6 +205,7 @@ void judge(IdentificationResult& result, const Data& data, const OptionsOf<Data>
            const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.verdict = Verdict::undecided;
   result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
+  result.evidence_beside_smooth_error = result.departure_beside_smooth_error = nan;
   if constexpr (is_response<Data>) {
     if (options.without_noise) {
       result.verdict_sentence = no_noise_sentence;
@@ -228,7 +234,7 @@ void judge(IdentificationResult& result, const Data& data, const OptionsOf<Data>
   }
   const Comparison pair = comparison_of(data, options, competitors, finalists, result.model_error);
   if (!pair.fractional_follows && !pair.integer_follows) return call_inadequate(result, axis_unit(data));
-  compare(result, data, options, pair, skipped_rivals);
+  compare(result, data, options, pair, competitors, skipped_rivals);
 }
 
 template void judge(IdentificationResult&, const FrequencyResponseData&, const FitOptions&,
