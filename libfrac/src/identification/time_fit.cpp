@@ -36,18 +36,14 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 using detail::length_of;
-using detail::observed_output;
 using detail::offset_name;
 
 // Costs are sums of squares of the weighted output, and scales are taken from squares of the output itself.
 void require_squares(const TimeResponseData& data) {
   constexpr double largest_root = 1e140, smallest_root = 1e-140;
-  double output = 0, weighted = 0;
-  for (const std::size_t i : data.observed()) {
-    output = std::max(output, std::abs(data.output()[i]));
-    weighted = std::max(weighted, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
-  }
-  for (const double size : {output, weighted}) {
+  double output = 0;
+  for (const std::size_t i : data.observed()) output = std::max(output, std::abs(data.output()[i]));
+  for (const double size : {output, detail::weighted_size(data, TimeFitOptions{})}) {
     if (size == 0 || (size >= smallest_root && size <= largest_root)) continue;
     throw std::invalid_argument("the output reaches " + detail::number_text(size) +
                                 (size == output ? "" : " times its sigma") +
@@ -123,7 +119,7 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
     influence -= found.directions * (found.spread.transpose() * eliminated.gradient.transpose() * inverse);
   const std::size_t modelled = result.covariance.size();
   const double variance = found.deviation * found.deviation;
-  const std::vector<double> output = observed_output(data);
+  const std::vector<double> output = detail::observed(data, data.output());
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
   // A parameter that the rest of the residuals does not see may stand for the background, unless it moves nothing at
   // all.
@@ -189,7 +185,7 @@ void refuse_unseen_response(FitResult& result, const detail::TimeResiduals& resi
 
 // Why there is nothing to fit, if so.
 std::string explained_by_offset(const TimeResponseData& data, std::optional<double> offset) {
-  const std::vector<double> output = observed_output(data);
+  const std::vector<double> output = detail::observed(data, data.output());
   const double rest = offset.value_or(output.front());
   if (std::any_of(output.begin(), output.end(), [&](double value) { return value != rest; })) return {};
   return "The output is " + detail::number_text(rest) +
