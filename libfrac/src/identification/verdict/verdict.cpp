@@ -46,11 +46,12 @@ void differ_most(IdentificationResult& result, const FrequencyResponseData& data
   }
 }
 
-AxisUnit axis_unit(const FrequencyResponseData& data) {
-  return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
-}
-AxisUnit axis_unit(const TimeResponseData&) {
-  return {"s", 1};
+template <class Data>
+AxisUnit axis_unit(const Data& data) {
+  if constexpr (is_response<Data>)
+    return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
+  else
+    return {"s", 1};
 }
 
 /// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
@@ -70,17 +71,15 @@ bool coarsely_rounded(const FrequencyResponseData& data, const FitOptions& optio
   return static_cast<double>(repeats) > most_repeats * static_cast<double>(pairs);
 }
 
-bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
-  return fit.rms <= most_model_error * residual_rule(data, options).unit;
-}
-/// Over time the unit is the rms of the output.
-bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, const FitResult& fit) {
-  double square = 0;
-  for (const std::size_t i : data.observed()) {
-    const double weighted = data.output()[i] / (data.sigma().empty() ? 1 : data.sigma()[i]);
-    square += weighted * weighted;
+template <class Data>
+bool within_model_error(const Data& data, const OptionsOf<Data>& options, const FitResult& fit) {
+  if constexpr (is_response<Data>) {
+    return fit.rms <= most_model_error * residual_rule(data, options).unit;
+  } else {
+    double square = 0;
+    for (const double each : weighted_output(data)) square += each * each;
+    return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(points(data)));
   }
-  return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(data.observed().size()));
 }
 
 /// What would let the skipped rivals take part.
@@ -151,9 +150,12 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
 
 template <class Data>
 void predict(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor, Finalist& finalist) {
-  finalist.prediction_rms = prediction_rms(data, options, competitor, blocks_of(data));
+  const auto rms = [&](const std::vector<Block>& blocks) { return prediction_rms(data, options, competitor, blocks); };
   if constexpr (is_response<Data>) {
-    finalist.extrapolation_rms = prediction_rms(data, options, competitor, end_blocks(data));
+    finalist.prediction_rms = rms(half_decades(data));
+    finalist.extrapolation_rms = rms(end_blocks(data));
+  } else {
+    finalist.prediction_rms = rms(even_blocks(points(data), 5));
   }
 }
 
