@@ -360,7 +360,13 @@ IdentificationResult ranked(const Data& data, FittedCandidates candidates, const
   IdentificationResult result{};
   result.skipped = std::move(candidates.skipped);
   std::vector<detail::Competitor> competitors = std::move(candidates.competitors);
-  detail::merge_equivalent(competitors, std::move(candidates.passive), data, options);
+  detail::merge_equivalent(competitors, std::move(candidates.passive), detail::weighted_size(data, options),
+                           [&](const FitResult& one, const FitResult& other) {
+                             if constexpr (detail::is_response<Data>)
+                               return detail::same_beyond(data, options, one, other);
+                             else
+                               return true;
+                           });
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
