@@ -20,6 +20,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/hold_advice.hpp"
+#include "identification/search/linearisation.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/start_values.hpp"
 #include "identification/search/time_search.hpp"
@@ -230,11 +231,9 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
   const auto problem = detail::TimeProblem(data, structure, plain).with_offset(0);
   const detail::ParameterMap& map = problem->map;
   const detail::TimeResiduals residuals = problem->residuals_at(data.observed(), 1e-10);
-  const auto count = static_cast<Eigen::Index>(residuals.count());
-  const auto width = static_cast<Eigen::Index>(map.free().size());
-  if (width == 0) return std::nullopt;
-  Eigen::VectorXd weight(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
+  if (map.free().empty()) return std::nullopt;
+  Eigen::VectorXd weight(static_cast<Eigen::Index>(residuals.count()));
+  for (Eigen::Index i = 0; i < weight.size(); ++i) {
     const std::size_t point = data.observed()[static_cast<std::size_t>(i)];
     weight[i] = data.sigma().empty() ? 1 : 1 / data.sigma()[point];
   }
@@ -251,9 +250,9 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
                                                                : 1 + 0.5 * varied;
       theta.push_back(std::clamp(start, free.lower, free.upper));
     }
-    std::vector<double> residual(residuals.count());
-    Eigen::MatrixXd jacobian(count, width);
-    if (!residuals.evaluate(theta, residual.data(), jacobian.data())) continue;
+    const auto at = detail::linearised(residuals, theta);
+    if (!at) continue;
+    const Eigen::MatrixXd& jacobian = at->jacobian;
     const Eigen::VectorXd shares = detail::PivotedQr(jacobian).solve(weight);
     constexpr double same = 1e-7;  // the simulation is good to 1e-10
     if (!((jacobian * shares - weight).norm() <= same * weight.norm())) return std::nullopt;
@@ -302,19 +301,22 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   return {detail::fisher_f_above(std::clamp(statistic, 0.0, 1e12), many - few, degrees), 1 - after / before};
 }
 
+Eigen::MatrixXd with_eliminated(const detail::Linearisation& at, const detail::TimeResiduals& residuals) {
+  Eigen::MatrixXd columns(at.jacobian.rows(), at.jacobian.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
+  columns << at.jacobian, residuals.eliminated_columns();
+  return columns;
+}
+
 // Says it where the residuals show a drift, or a start in motion.
 void remark_on_background(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
                           const detail::Confidence& found) {
   if (residuals.cost(theta) <= residuals.rounding_cost() || theta.empty()) return;
-  std::vector<double> residual(residuals.count());
-  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(residual.size()), static_cast<Eigen::Index>(theta.size()));
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return;
-  const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
-  Eigen::MatrixXd fitted(jacobian.rows(), jacobian.cols() + eliminated.cols());
-  fitted << jacobian, eliminated;
+  const auto at = detail::linearised(residuals, theta);
+  if (!at) return;
+  const Eigen::MatrixXd fitted = with_eliminated(*at, residuals);
   const Eigen::MatrixXd more = residuals.possible_background(theta);
   if (more.cols() == 0) return;
-  const Eigen::VectorXd rest = Eigen::Map<const Eigen::VectorXd>(residual.data(), jacobian.rows());
+  const Eigen::VectorXd rest = at->residuals();
   const Explained drift = explained(rest, fitted, more.leftCols(1));
   const Explained motion = explained(rest, fitted, more.rightCols(more.cols() - 1));
   constexpr double least_chance = 1e-4, worth_saying = 0.05;
@@ -438,13 +440,10 @@ double correlation_left_by(const FitResult& fit, const TimeResponseData& data, c
   const TimeFitOptions known = detail::in_noise(white, 0);
   const detail::TimeProblem problem(data, structure, detail::started_at(detail::settled(known, fit), fit));
   const detail::TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-10);
-  const std::vector<double> theta = problem.map.to_theta(problem.map.start());
-  std::vector<double> residual(residuals.count());
-  Eigen::MatrixXd jacobian(residuals.count(), problem.map.free().size());
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return 0;
-  Eigen::MatrixXd columns(jacobian.rows(), jacobian.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
-  columns << jacobian, residuals.eliminated_columns();
-  return detail::likely_correlation(detail::RestrictedLikelihood(residual, detail::PivotedQr(columns).basis(), 1));
+  const auto at = detail::linearised(residuals, problem.map.to_theta(problem.map.start()));
+  if (!at) return 0;
+  const Eigen::MatrixXd basis = detail::PivotedQr(with_eliminated(*at, residuals)).basis();
+  return detail::likely_correlation(detail::RestrictedLikelihood(at->residual, basis, 1));
 }
 
 }  // namespace
