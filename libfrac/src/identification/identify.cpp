@@ -441,22 +441,6 @@ bool asks_for_ratios(const IdentificationResult& result, const std::vector<Named
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::fractional_supported:
-      return "supported";
-    case Verdict::fractional_or_distribution:
-      return "fractional-or-distribution";
-    case Verdict::fractional_not_supported:
-      return "not-supported";
-    case Verdict::undecided:
-      return "undecided";
-    case Verdict::no_adequate_model:
-      return "no-adequate-model";
-  }
-  return "unknown";
-}
-
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   require_candidate(models.size() + curves.size());

@@ -177,18 +177,6 @@ LackOfFit detail::first_order_tests(std::span<const double> residual, std::span<
   return result;
 }
 
-std::string_view to_string(NoiseSource source) {
-  switch (source) {
-    case NoiseSource::sigma:
-      return "sigma";
-    case NoiseSource::repeats:
-      return "repeats";
-    case NoiseSource::data:
-      return "data";
-  }
-  return "unknown";
-}
-
 LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result) {
   const detail::ResidualRule rule = detail::residual_rule(data, detail::settled(options, result));
   const std::vector<double> residual = detail::weighted_residuals(data, options, result);
