@@ -7,7 +7,7 @@
 #include "base/short_text.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/hold_advice.hpp"
-#include "identification/time_scout.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {
 namespace {
@@ -34,7 +34,7 @@ Better best_with(const TimeResponseData& data, const TimeFitOptions& background,
     const Structure structure(ranked.model.formula);
     TimeFitOptions options = background;
     options.constraints = ranked.model.constraints;
-    const double cost = scouted(data, structure, started_at(options, ranked.fit)).cost;
+    const double cost = scouted_cost(data, structure, started_at(options, ranked.fit));
     const double bic = ranked.fit.bic + n * std::log(cost / ranked.fit.cost) + parameters * std::log(n);
     if (bic < best.bic) best = {ranked.name, bic};
     if (++tried == most_presets) break;

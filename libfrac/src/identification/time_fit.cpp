@@ -29,7 +29,6 @@
 #include "identification/statistics/estimates.hpp"
 #include "identification/statistics/restricted_likelihood.hpp"
 #include "identification/time_noise.hpp"
-#include "identification/time_scout.hpp"
 #include "special/distributions.hpp"
 
 namespace frac {
@@ -492,18 +491,15 @@ FitResult detail::refit(const TimeResponseData& data, const Structure& structure
   return fit_record(data, structure, options, std::numeric_limits<double>::infinity(), settled_refit);
 }
 
-detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,
-                                const TimeFitOptions& options) {
+double detail::scouted_cost(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
   const TimeProblem problem(data, structure, options);
-  const ParameterMap& map = problem.map;
   const TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-6);
-  const std::vector<double> theta = map.to_theta(map.start());
-  if (!std::isfinite(residuals.cost(theta))) return {{}, std::numeric_limits<double>::infinity()};
+  const std::vector<double> theta = problem.map.to_theta(problem.map.start());
+  if (!std::isfinite(residuals.cost(theta))) return std::numeric_limits<double>::infinity();
   LocalOptions quick;
   quick.iterations = 30;
   quick.cost_tolerance = 1e-5;
-  const LocalSolution found = local_solve(residuals, theta, quick);
-  return {map.to_user(found.theta), found.cost * problem.unit * problem.unit};
+  return local_solve(residuals, theta, quick).cost * problem.unit * problem.unit;
 }
 
 FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,

@@ -36,6 +36,12 @@ inline constexpr double settled_refit = 1e-8;
 [[nodiscard]] FitResult refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 [[nodiscard]] FitResult refit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options);
 
+/// Cost, as in FitResult, at which a quick local solve over time ends: some iterations of simulations good to 1e-6.
+/// Infinite where the start has no finite response.
+/// @param options  every free parameter has a start
+[[nodiscard]] double scouted_cost(const TimeResponseData& data, const Structure& structure,
+                                  const TimeFitOptions& options);
+
 /// Parameters whose wide intervals follow the cost.
 enum class Profiled { all, orders };
 
