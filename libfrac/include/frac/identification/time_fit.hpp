@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -44,10 +43,6 @@ struct TimeFitOptions {
   std::uint64_t seed = 1;            // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
-
-/// Options of fits to data of this kind.
-template <class Data>
-using OptionsOf = std::conditional_t<std::is_same_v<Data, TimeResponseData>, TimeFitOptions, FitOptions>;
 
 /// Fits a structure that reduces to a FractionalTransferFunction, orders and dead time too, to samples of input and
 /// output: least squares of (model - output)/sigma, sigma of the data or one unknown value.  The model is simulated

@@ -34,7 +34,21 @@ struct BootstrapInterval {
   double standard_error;  // standard deviation of the refits; 0 when fixed
 };
 
-/// The refits of bootstrap() one by one, in any order: for studies that have to survive an interruption.
+/// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, relative to the model (relative,
+/// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981;
+/// not under a robust loss), drawn with replacement, added to the fitted curve and fitted again from the result.  Where
+/// neighbours go together (FitResult::noise_correlation) what each adds to the share of the one before is drawn, and
+/// put together again.  In a fit of one part only that part is resampled.  The same seed gives the same intervals for
+/// any number of threads.
+/// @return one interval per parameter
+/// @throws std::invalid_argument  fewer than 20 samples.
+[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                                       const FitResult& result, std::size_t samples, int threads = 0);
+/// The same over time, with the residuals relative to sigma, or as they are without one.
+[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
+                                                       const FitResult& result, std::size_t samples, int threads = 0);
+
+/// The refits of such a bootstrap one by one, in any order: for studies that have to survive an interruption.
 class BootstrapRefits {
  public:
   /// @param data  has to outlive this
@@ -46,25 +60,6 @@ class BootstrapRefits {
  private:
   std::function<std::vector<double>(std::size_t)> refit_;
 };
-
-/// The intervals of so many refits, one per parameter.
-/// @throws std::invalid_argument  fewer than 20 samples.
-[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const BootstrapRefits& refits, std::size_t samples,
-                                                       int threads = 0);
-
-/// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, relative to the model (relative,
-/// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981;
-/// not under a robust loss), drawn with replacement, added to the fitted curve and fitted again from the result.  Where
-/// neighbours go together (FitResult::noise_correlation) what each adds to the share of the one before is drawn, and
-/// put together again.  In a fit of one part only that part is resampled.  Over time residuals are relative to sigma,
-/// or as they are without one.  The same seed gives the same intervals for any number of threads.
-/// @return one interval per parameter
-/// @throws std::invalid_argument  fewer than 20 samples.
-template <class Data>
-[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const Data& data, const OptionsOf<Data>& options,
-                                                       const FitResult& result, std::size_t samples, int threads = 0) {
-  return bootstrap(BootstrapRefits(data, options, result), samples, threads);
-}
 
 /// Percentiles of the parameters of refits, one interval per parameter.
 /// @throws std::invalid_argument  fewer than 20 refits.

@@ -19,6 +19,9 @@ namespace frac::detail {
 /// Whether the data are a frequency response, rather than samples over time.
 template <class Data>
 inline constexpr bool is_response = std::is_same_v<Data, FrequencyResponseData>;
+/// Options of fits to these data.
+template <class Data>
+using OptionsOf = std::conditional_t<is_response<Data>, FitOptions, TimeFitOptions>;
 
 /// Name of the output at rest among the parameters of a fit over time.
 inline constexpr const char* offset_name = "offset";

@@ -202,6 +202,13 @@ void check_samples(std::size_t samples) {
   }
 }
 
+std::vector<BootstrapInterval> bootstrap_of(const BootstrapRefits& refits, std::size_t samples, int threads) {
+  check_samples(samples);
+  std::vector<std::vector<double>> values(samples);
+  parallel_for(samples, threads, [&](std::size_t sample) { values[sample] = refits.parameters(sample); });
+  return bootstrap_intervals(values);
+}
+
 /// The interval of an estimate, as the problem whose solution the result is has it.
 ProfileInterval interval_in(detail::Problem& problem, Loss loss, const FitResult& result,
                             const ParameterEstimate& estimate) {
@@ -274,11 +281,14 @@ std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector
   return intervals;
 }
 
-std::vector<BootstrapInterval> bootstrap(const BootstrapRefits& refits, std::size_t samples, int threads) {
-  check_samples(samples);
-  std::vector<std::vector<double>> values(samples);
-  parallel_for(samples, threads, [&](std::size_t sample) { values[sample] = refits.parameters(sample); });
-  return bootstrap_intervals(values);
+std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                         const FitResult& result, std::size_t samples, int threads) {
+  return bootstrap_of(BootstrapRefits(data, options, result), samples, threads);
+}
+
+std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
+                                         const FitResult& result, std::size_t samples, int threads) {
+  return bootstrap_of(BootstrapRefits(data, options, result), samples, threads);
 }
 
 std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
