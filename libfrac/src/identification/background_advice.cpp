@@ -6,7 +6,7 @@
 
 #include "base/short_text.hpp"
 #include "identification/data/fit_data.hpp"
-#include "identification/hold_advice.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {

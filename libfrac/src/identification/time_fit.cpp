@@ -19,7 +19,7 @@
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
-#include "identification/hold_advice.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/search/linearisation.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/start_values.hpp"

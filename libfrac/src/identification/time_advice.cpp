@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/hold_advice.hpp"
+#include "identification/time_advice.hpp"
 
 #include <algorithm>
 #include <cmath>
