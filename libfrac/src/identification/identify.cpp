@@ -12,7 +12,6 @@
 
 #include "frac/identification/constraints.hpp"
 #include "frac/parallel_for.hpp"
-#include "identification/background_advice.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
@@ -24,6 +23,7 @@
 #include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/time_noise.hpp"
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
