@@ -19,7 +19,6 @@
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
-#include "identification/time_advice.hpp"
 #include "identification/search/linearisation.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/start_values.hpp"
@@ -27,7 +26,9 @@
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
+#include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/restricted_likelihood.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/time_noise.hpp"
 #include "special/distributions.hpp"
 
@@ -442,7 +443,10 @@ double correlation_left_by(const FitResult& fit, const TimeResponseData& data, c
   const auto at = detail::linearised(residuals, problem.map.to_theta(problem.map.start()));
   if (!at) return 0;
   const Eigen::MatrixXd basis = detail::PivotedQr(with_eliminated(*at, residuals)).basis();
-  return detail::likely_correlation(detail::RestrictedLikelihood(at->residual, basis, 1));
+  const detail::RestrictedLikelihood likelihood(at->residual, basis, 1);
+  return detail::likeliest_noise(static_cast<double>(at->residual.size()),
+                                 [&](double r) { return likelihood.at(r).logarithm; })
+      .correlation;
 }
 
 }  // namespace
