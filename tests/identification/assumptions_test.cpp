@@ -16,6 +16,7 @@
 #include "frac/identification/robust_tune.hpp"
 #include "frac/stability.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "identification/rational/rational_problem.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
@@ -95,7 +96,8 @@ TEST_P(StableFamily, HasNoPoleRightOfTheAxis) {
       frac::FitOptions options = support::both_parts();
       options.noise_floor = 0;
       options.assumptions.stable = true;
-      const auto members = frac::detail::family_members(data, frac::find_model(GetParam()), options);
+      frac::detail::RatioGrowths ratios;
+      const auto members = frac::detail::family_members(data, frac::find_model(GetParam()), options, ratios);
       for (const frac::NamedModel& member : members.models) {
         EXPECT_NE(stability_at_start(member), frac::Stability::unstable) << formula << ", " << member.formula;
       }

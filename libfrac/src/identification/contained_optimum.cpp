@@ -14,11 +14,9 @@
 
 #include "formula/canonical_form.hpp"
 #include "frac/identification/constraints.hpp"
-#include "identification/data/fit_data.hpp"
 #include "identification/recognised_preset.hpp"
 #include "identification/residuals/parameter_map.hpp"
 #include "identification/search/global_search.hpp"
-#include "identification/statistics/curvature_fit.hpp"
 
 namespace frac::detail {
 namespace {
@@ -143,35 +141,6 @@ std::optional<Containment> containment_of(const Structure& structure, const std:
   return contained_in(structure, limits, contained, values, gain, simple.centre_omega);
 }
 
-/// @param solve  fits a structure under options with start values
-template <class Options, class Solve>
-std::optional<FitResult> from_contained(const FitResult& rich, const FitResult& simple, const Options& options,
-                                        const Solve& solve) {
-  const Structure structure(rich.model);
-  const std::optional<Containment> found = containment_of(structure, limits_in_force(rich), simple);
-  if (!found) return std::nullopt;
-  std::optional<FitResult> best;
-  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
-  // above the simpler optimum, at what changes no cost.
-  for (const double smallness : {hardly_anything, nearly_nothing}) {
-    const std::vector<double> start = found->at(smallness);
-    Options warm = options;
-    warm.global_start = false;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      ParameterConstraint& own = constraint_of(warm.constraints, structure.parameter_names()[i]);
-      if (!own.fixed) own.start = start[i];
-    }
-    try {
-      FitResult fit = solve(structure, warm);
-      if (!best || fit.cost < best->cost) best = std::move(fit);
-    } catch (const std::invalid_argument&) {
-      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
-    }
-    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
-  }
-  return best;
-}
-
 /// The fit, or another one of the same structure where that is lower: a minimum that the search has not seen.
 FitResult lower_of(FitResult fit, std::optional<FitResult> other) {
   if (!other || !(other->cost < fit.cost)) return fit;
@@ -185,14 +154,11 @@ FitResult lower_of(FitResult fit, std::optional<FitResult> other) {
 
 /// The fit, or where the optimum of a structure that it contains is lower the fit from there.
 /// @param clearly  share of the cost that it has to be lower by
-template <class Data>
-FitResult no_worse_than(const Data& data, const FitResult& optimum, double clearly, const OptionsOf<Data>& options,
-                        FitResult fit) {
+FitResult no_worse_than(const FitResult& optimum, double clearly, const std::vector<ParameterConstraint>& constraints,
+                        const FitOfData& fit_of, FitResult fit) {
   fit.seconds += optimum.seconds;
   if (!(optimum.cost < fit.cost * (1 - clearly))) return fit;
-  return lower_of(fit, from_contained(fit, optimum, options, [&](const Structure& structure, const auto& warm) {
-                    return unprofiled_fit(data, structure, warm);
-                  }));
+  return lower_of(fit, fit_from_contained(fit, optimum, constraints, fit_of));
 }
 
 /// The terms of the outermost sum, each with its sign and in parentheses.
@@ -276,54 +242,57 @@ std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, 
   return found ? std::optional(found->at(nothing)) : std::nullopt;
 }
 
-template <class Data>
-std::optional<FitResult> fit_from_contained(const Data& data, const FitResult& rich, const FitResult& simple,
-                                            const OptionsOf<Data>& options) {
-  return from_contained(rich, simple, options, [&](const Structure& structure, const OptionsOf<Data>& warm) {
-    return fit(data, structure, warm);
-  });
+std::optional<FitResult> fit_from_contained(const FitResult& rich, const FitResult& simple,
+                                            const std::vector<ParameterConstraint>& constraints,
+                                            const FitOfData& fit_of) {
+  const Structure structure(rich.model);
+  const std::optional<Containment> found = containment_of(structure, limits_in_force(rich), simple);
+  if (!found) return std::nullopt;
+  std::optional<FitResult> best;
+  // What only a limit brings to nothing starts at a millionth, where it still has a slope to go down, and, if that ends
+  // above the simpler optimum, at what changes no cost.
+  for (const double smallness : {hardly_anything, nearly_nothing}) {
+    const std::vector<double> start = found->at(smallness);
+    std::vector<ParameterConstraint> warm = constraints;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      ParameterConstraint& own = constraint_of(warm, structure.parameter_names()[i]);
+      if (!own.fixed) own.start = start[i];
+    }
+    try {
+      FitResult fit = fit_of(structure, warm, FitFrom::start);
+      if (!best || fit.cost < best->cost) best = std::move(fit);
+    } catch (const std::invalid_argument&) {
+      // The simpler structure has its optimum where the richer one is not allowed to be, or at infinity.
+    }
+    if (!found->is_limit() || (best && best->cost <= simple.cost * (1 + rounding))) break;
+  }
+  return best;
 }
 
-template std::optional<FitResult> fit_from_contained(const FrequencyResponseData&, const FitResult&, const FitResult&,
-                                                     const FitOptions&);
-template std::optional<FitResult> fit_from_contained(const TimeResponseData&, const FitResult&, const FitResult&,
-                                                     const TimeFitOptions&);
-
-template <class Data>
-FitResult no_worse_than_contained(const Data& data, const Structure& structure, const OptionsOf<Data>& asked,
-                                  FitResult fit) {
-  if (asked.loss != Loss::none || !(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
+FitResult no_worse_than_contained(const Structure& structure, const std::vector<ParameterConstraint>& constraints,
+                                  const FitOfData& fit_of, FitResult fit) {
+  if (!(fit.cost > 0) || fit.termination == FitTermination::no_usable_start) return fit;
   // Residuals that are rounding cannot be beaten.
   if (fit.relative_rms <= rounding) return fit;
-  OptionsOf<Data> options = asked;
-  // All structures compared have the same weights.
-  if constexpr (is_response<Data>) options = settled(asked, fit);
   const std::vector<ParameterLimits> limits = widened(structure, limits_in_force(fit));
-  const auto compare = [&](const auto& optimum, double clearly) {
+  const auto compare = [&](const Structure& contained, const std::vector<ParameterConstraint>& of_contained,
+                           FitFrom from, double clearly) {
     try {
-      fit = no_worse_than(data, optimum(), clearly, options, fit);
+      fit = no_worse_than(fit_of(contained, of_contained, from), clearly, constraints, fit_of, fit);
     } catch (const std::invalid_argument&) {
       // It is not allowed where the user wants the richer one.
     }
   };
-  for (const auto& contained : contained_presets(structure, limits)) {
-    const NamedModel& preset = *contained.preset;
-    OptionsOf<Data> of_contained = options;
-    of_contained.constraints = constraints_on(preset, structure, contained.where, options.constraints);
-    compare([&] { return unprofiled_fit(data, Structure(preset.formula), of_contained); }, rounding);
-  }
+  for (const auto& [preset, where] : contained_presets(structure, limits))
+    compare(Structure(preset->formula), constraints_on(*preset, structure, where, constraints), FitFrom::search,
+            rounding);
   for (const Structure& contained : without_a_term(structure)) {
-    OptionsOf<Data> of_contained = options;
-    of_contained.constraints = renamed(options.constraints, contained.parameter_names(), contained.parameter_names());
     // A term that the fitted part is blind to changes the cost by no more than where solvers end.
     constexpr double solved = 1e-6;
-    compare([&] { return refit(data, contained, of_contained); }, solved);
+    compare(contained, renamed(constraints, contained.parameter_names(), contained.parameter_names()),
+            FitFrom::search_for_residuals, solved);
   }
   return fit;
 }
-
-template FitResult no_worse_than_contained(const FrequencyResponseData&, const Structure&, const FitOptions&,
-                                           FitResult);
-template FitResult no_worse_than_contained(const TimeResponseData&, const Structure&, const TimeFitOptions&, FitResult);
 
 }  // namespace frac::detail

@@ -586,14 +586,10 @@ FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, 
   return fit(data, structure, options);
 }
 
-FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
-                                const FitOptions& options) {
-  return fit_with_floor(data, structure, options, {true, false});
-}
-
-FitResult detail::unprofiled_fit(const FrequencyResponseData& data, const Structure& structure,
-                                 const FitOptions& options) {
-  return fit_as_assumed(data, structure, options, false);
+FitResult detail::response_fit_without_profiles(const FrequencyResponseData& data, const Structure& structure,
+                                                const FitOptions& options, bool as_assumed) {
+  return as_assumed ? fit_as_assumed(data, structure, options, false)
+                    : fit_with_floor(data, structure, options, {true, false});
 }
 
 FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {

@@ -41,6 +41,23 @@ constexpr detail::Spellings<FitTermination, 3> termination_names = {{
     {FitTermination::not_converged, "not-converged"},
     {FitTermination::no_usable_start, "no-usable-start"},
 }};
+constexpr detail::Spellings<NoiseSource, 3> source_names = {{
+    {NoiseSource::sigma, "sigma"},
+    {NoiseSource::repeats, "repeats"},
+    {NoiseSource::data, "data"},
+}};
+constexpr detail::Spellings<ModelClass, 3> class_names = {{
+    {ModelClass::fractional, "fractional"},
+    {ModelClass::integer_order, "integer-order"},
+    {ModelClass::fixed_curve, "fixed-curve"},
+}};
+constexpr detail::Spellings<Verdict, 5> verdict_names = {{
+    {Verdict::fractional_supported, "supported"},
+    {Verdict::fractional_or_distribution, "fractional-or-distribution"},
+    {Verdict::fractional_not_supported, "not-supported"},
+    {Verdict::undecided, "undecided"},
+    {Verdict::no_adequate_model, "no-adequate-model"},
+}};
 constexpr detail::Spellings<IntervalKind, 2> interval_names = {{
     {IntervalKind::curvature, "curvature"},
     {IntervalKind::profile, "profile"},
@@ -80,6 +97,15 @@ std::string_view to_string(RecordNoise noise) {
 }
 std::string_view to_string(FitTermination termination) {
   return detail::spelling(termination_names, termination);
+}
+std::string_view to_string(NoiseSource source) {
+  return detail::spelling(source_names, source);
+}
+std::string_view to_string(ModelClass model_class) {
+  return detail::spelling(class_names, model_class);
+}
+std::string_view to_string(Verdict verdict) {
+  return detail::spelling(verdict_names, verdict);
 }
 std::string_view to_string(IntervalKind kind) {
   return detail::spelling(interval_names, kind);

@@ -12,7 +12,6 @@
 
 #include "frac/identification/constraints.hpp"
 #include "frac/parallel_for.hpp"
-#include "identification/background_advice.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
@@ -24,6 +23,7 @@
 #include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/time_noise.hpp"
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
@@ -360,7 +360,13 @@ IdentificationResult ranked(const Data& data, FittedCandidates candidates, const
   IdentificationResult result{};
   result.skipped = std::move(candidates.skipped);
   std::vector<detail::Competitor> competitors = std::move(candidates.competitors);
-  detail::merge_equivalent(competitors, std::move(candidates.passive), data, options);
+  detail::merge_equivalent(competitors, std::move(candidates.passive), detail::weighted_size(data, options),
+                           [&](const FitResult& one, const FitResult& other) {
+                             if constexpr (detail::is_response<Data>)
+                               return detail::same_beyond(data, options, one, other);
+                             else
+                               return true;
+                           });
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
@@ -434,22 +440,6 @@ bool asks_for_ratios(const IdentificationResult& result, const std::vector<Named
 }
 
 }  // namespace
-
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::fractional_supported:
-      return "supported";
-    case Verdict::fractional_or_distribution:
-      return "fractional-or-distribution";
-    case Verdict::fractional_not_supported:
-      return "not-supported";
-    case Verdict::undecided:
-      return "undecided";
-    case Verdict::no_adequate_model:
-      return "no-adequate-model";
-  }
-  return "unknown";
-}
 
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {

@@ -12,6 +12,7 @@
 #include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/time_noise.hpp"
@@ -169,7 +170,8 @@ Growth grown_from_data(const Data& data, const NamedModel& family, const Options
     throw std::invalid_argument("grow: parameters of the family " + family.name +
                                 " differ from member to member, so none can be held or bounded");
   }
-  const detail::FamilyMembers members = detail::family_members(data, family, options);
+  detail::RatioGrowths ratios;
+  const detail::FamilyMembers members = detail::family_members(data, family, options, ratios);
   Growth growth{{}, members.models, members.chosen, ""};
   for (std::size_t i = 0; i < members.models.size(); ++i) {
     Options of_model = options;

@@ -129,18 +129,6 @@ std::optional<NamedModel> sum_family(std::string_view name) {
 
 }  // namespace
 
-std::string_view to_string(ModelClass model_class) {
-  switch (model_class) {
-    case ModelClass::fractional:
-      return "fractional";
-    case ModelClass::integer_order:
-      return "integer-order";
-    case ModelClass::fixed_curve:
-      return "fixed-curve";
-  }
-  return "unknown";
-}
-
 const std::vector<NamedModel>& model_library() {
   using enum ModelClass;
   // Name, formula, class, meaning, limits.

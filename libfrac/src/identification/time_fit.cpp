@@ -19,16 +19,17 @@
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
-#include "identification/hold_advice.hpp"
+#include "identification/search/linearisation.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/start_values.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
+#include "identification/statistics/first_order_likelihood.hpp"
 #include "identification/statistics/restricted_likelihood.hpp"
+#include "identification/time_advice.hpp"
 #include "identification/time_noise.hpp"
-#include "identification/time_scout.hpp"
 #include "special/distributions.hpp"
 
 namespace frac {
@@ -36,18 +37,14 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 using detail::length_of;
-using detail::observed_output;
 using detail::offset_name;
 
 // Costs are sums of squares of the weighted output, and scales are taken from squares of the output itself.
 void require_squares(const TimeResponseData& data) {
   constexpr double largest_root = 1e140, smallest_root = 1e-140;
-  double output = 0, weighted = 0;
-  for (const std::size_t i : data.observed()) {
-    output = std::max(output, std::abs(data.output()[i]));
-    weighted = std::max(weighted, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
-  }
-  for (const double size : {output, weighted}) {
+  double output = 0;
+  for (const std::size_t i : data.observed()) output = std::max(output, std::abs(data.output()[i]));
+  for (const double size : {output, detail::weighted_size(data, TimeFitOptions{})}) {
     if (size == 0 || (size >= smallest_root && size <= largest_root)) continue;
     throw std::invalid_argument("the output reaches " + detail::number_text(size) +
                                 (size == output ? "" : " times its sigma") +
@@ -123,7 +120,7 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
     influence -= found.directions * (found.spread.transpose() * eliminated.gradient.transpose() * inverse);
   const std::size_t modelled = result.covariance.size();
   const double variance = found.deviation * found.deviation;
-  const std::vector<double> output = observed_output(data);
+  const std::vector<double> output = detail::observed(data, data.output());
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
   // A parameter that the rest of the residuals does not see may stand for the background, unless it moves nothing at
   // all.
@@ -189,7 +186,7 @@ void refuse_unseen_response(FitResult& result, const detail::TimeResiduals& resi
 
 // Why there is nothing to fit, if so.
 std::string explained_by_offset(const TimeResponseData& data, std::optional<double> offset) {
-  const std::vector<double> output = observed_output(data);
+  const std::vector<double> output = detail::observed(data, data.output());
   const double rest = offset.value_or(output.front());
   if (std::any_of(output.begin(), output.end(), [&](double value) { return value != rest; })) return {};
   return "The output is " + detail::number_text(rest) +
@@ -234,11 +231,9 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
   const auto problem = detail::TimeProblem(data, structure, plain).with_offset(0);
   const detail::ParameterMap& map = problem->map;
   const detail::TimeResiduals residuals = problem->residuals_at(data.observed(), 1e-10);
-  const auto count = static_cast<Eigen::Index>(residuals.count());
-  const auto width = static_cast<Eigen::Index>(map.free().size());
-  if (width == 0) return std::nullopt;
-  Eigen::VectorXd weight(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
+  if (map.free().empty()) return std::nullopt;
+  Eigen::VectorXd weight(static_cast<Eigen::Index>(residuals.count()));
+  for (Eigen::Index i = 0; i < weight.size(); ++i) {
     const std::size_t point = data.observed()[static_cast<std::size_t>(i)];
     weight[i] = data.sigma().empty() ? 1 : 1 / data.sigma()[point];
   }
@@ -255,9 +250,9 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
                                                                : 1 + 0.5 * varied;
       theta.push_back(std::clamp(start, free.lower, free.upper));
     }
-    std::vector<double> residual(residuals.count());
-    Eigen::MatrixXd jacobian(count, width);
-    if (!residuals.evaluate(theta, residual.data(), jacobian.data())) continue;
+    const auto at = detail::linearised(residuals, theta);
+    if (!at) continue;
+    const Eigen::MatrixXd& jacobian = at->jacobian;
     const Eigen::VectorXd shares = detail::PivotedQr(jacobian).solve(weight);
     constexpr double same = 1e-7;  // the simulation is good to 1e-10
     if (!((jacobian * shares - weight).norm() <= same * weight.norm())) return std::nullopt;
@@ -306,19 +301,22 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   return {detail::fisher_f_above(std::clamp(statistic, 0.0, 1e12), many - few, degrees), 1 - after / before};
 }
 
+Eigen::MatrixXd with_eliminated(const detail::Linearisation& at, const detail::TimeResiduals& residuals) {
+  Eigen::MatrixXd columns(at.jacobian.rows(), at.jacobian.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
+  columns << at.jacobian, residuals.eliminated_columns();
+  return columns;
+}
+
 // Says it where the residuals show a drift, or a start in motion.
 void remark_on_background(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
                           const detail::Confidence& found) {
   if (residuals.cost(theta) <= residuals.rounding_cost() || theta.empty()) return;
-  std::vector<double> residual(residuals.count());
-  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(residual.size()), static_cast<Eigen::Index>(theta.size()));
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return;
-  const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
-  Eigen::MatrixXd fitted(jacobian.rows(), jacobian.cols() + eliminated.cols());
-  fitted << jacobian, eliminated;
+  const auto at = detail::linearised(residuals, theta);
+  if (!at) return;
+  const Eigen::MatrixXd fitted = with_eliminated(*at, residuals);
   const Eigen::MatrixXd more = residuals.possible_background(theta);
   if (more.cols() == 0) return;
-  const Eigen::VectorXd rest = Eigen::Map<const Eigen::VectorXd>(residual.data(), jacobian.rows());
+  const Eigen::VectorXd rest = at->residuals();
   const Explained drift = explained(rest, fitted, more.leftCols(1));
   const Explained motion = explained(rest, fitted, more.rightCols(more.cols() - 1));
   constexpr double least_chance = 1e-4, worth_saying = 0.05;
@@ -442,13 +440,13 @@ double correlation_left_by(const FitResult& fit, const TimeResponseData& data, c
   const TimeFitOptions known = detail::in_noise(white, 0);
   const detail::TimeProblem problem(data, structure, detail::started_at(detail::settled(known, fit), fit));
   const detail::TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-10);
-  const std::vector<double> theta = problem.map.to_theta(problem.map.start());
-  std::vector<double> residual(residuals.count());
-  Eigen::MatrixXd jacobian(residuals.count(), problem.map.free().size());
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return 0;
-  Eigen::MatrixXd columns(jacobian.rows(), jacobian.cols() + static_cast<Eigen::Index>(residuals.eliminated()));
-  columns << jacobian, residuals.eliminated_columns();
-  return detail::likely_correlation(detail::RestrictedLikelihood(residual, detail::PivotedQr(columns).basis(), 1));
+  const auto at = detail::linearised(residuals, problem.map.to_theta(problem.map.start()));
+  if (!at) return 0;
+  const Eigen::MatrixXd basis = detail::PivotedQr(with_eliminated(*at, residuals)).basis();
+  const detail::RestrictedLikelihood likelihood(at->residual, basis, 1);
+  return detail::likeliest_noise(static_cast<double>(at->residual.size()),
+                                 [&](double r) { return likelihood.at(r).logarithm; })
+      .correlation;
 }
 
 }  // namespace
@@ -497,18 +495,15 @@ FitResult detail::refit(const TimeResponseData& data, const Structure& structure
   return fit_record(data, structure, options, std::numeric_limits<double>::infinity(), settled_refit);
 }
 
-detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,
-                                const TimeFitOptions& options) {
+double detail::scouted_cost(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
   const TimeProblem problem(data, structure, options);
-  const ParameterMap& map = problem.map;
   const TimeResiduals residuals = problem.residuals_at(data.observed(), 1e-6);
-  const std::vector<double> theta = map.to_theta(map.start());
-  if (!std::isfinite(residuals.cost(theta))) return {{}, std::numeric_limits<double>::infinity()};
+  const std::vector<double> theta = problem.map.to_theta(problem.map.start());
+  if (!std::isfinite(residuals.cost(theta))) return std::numeric_limits<double>::infinity();
   LocalOptions quick;
   quick.iterations = 30;
   quick.cost_tolerance = 1e-5;
-  const LocalSolution found = local_solve(residuals, theta, quick);
-  return {map.to_user(found.theta), found.cost * problem.unit * problem.unit};
+  return local_solve(residuals, theta, quick).cost * problem.unit * problem.unit;
 }
 
 FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,

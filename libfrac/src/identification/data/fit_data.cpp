@@ -8,7 +8,6 @@
 
 #include "frac/identification/constraints.hpp"
 #include "identification/data/first_order_whitening.hpp"
-#include "residual_rule.hpp"
 
 namespace frac {
 
@@ -21,17 +20,6 @@ Component fitted_component(const FrequencyResponseData& data, Component wanted) 
 }  // namespace frac
 
 namespace frac::detail {
-namespace {
-
-void start_at(std::vector<ParameterConstraint>& constraints, const ParameterEstimate& estimate) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (estimate.fixed || !std::isfinite(estimate.value)) return;
-  ParameterConstraint& known = constraint_of(constraints, estimate.name);
-  if (!known.fixed)
-    known.start = std::clamp(estimate.value, known.lower.value_or(-infinity), known.upper.value_or(infinity));
-}
-
-}  // namespace
 
 bool is_empty(const FrequencyResponseData& data, Component component) {
   if (component != Component::imaginary && component != Component::real) return false;
@@ -55,18 +43,16 @@ TimeFitOptions settled(const TimeFitOptions& options, const FitResult& result) {
   return known;
 }
 
-template <class Options>
-Options started_at(Options options, const FitResult& result) {
-  constexpr bool over_time = std::is_same_v<Options, TimeFitOptions>;
-  options.global_start = false;
+void start_at(std::vector<ParameterConstraint>& constraints, const FitResult& result, bool over_time) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const ParameterEstimate& estimate : result.parameters) {
     const bool eliminated = over_time && (estimate.name == offset_name || estimate.name == drift_name);
-    if (!eliminated) start_at(options.constraints, estimate);
+    if (eliminated || estimate.fixed || !std::isfinite(estimate.value)) continue;
+    ParameterConstraint& known = constraint_of(constraints, estimate.name);
+    if (!known.fixed)
+      known.start = std::clamp(estimate.value, known.lower.value_or(-infinity), known.upper.value_or(infinity));
   }
-  return options;
 }
-template FitOptions started_at(FitOptions, const FitResult&);
-template TimeFitOptions started_at(TimeFitOptions, const FitResult&);
 
 std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
                                        const FitResult& result) {
@@ -85,8 +71,17 @@ std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeF
   return residual;
 }
 
-std::size_t residuals_per_point(const FrequencyResponseData&, const FitOptions& options) {
-  return residuals_per_point(residual_form(options.component, options.weight));
+std::vector<double> observed(const TimeResponseData& data, const std::vector<double>& values) {
+  std::vector<double> result;
+  for (const std::size_t i : data.observed()) result.push_back(values[i]);
+  return result;
+}
+
+std::vector<double> weighted_output(const TimeResponseData& data) {
+  std::vector<double> output;
+  for (const std::size_t i : data.observed())
+    output.push_back(data.output()[i] / (data.sigma().empty() ? 1 : data.sigma()[i]));
+  return output;
 }
 
 FrequencyResponseData chosen_points(const FrequencyResponseData& data,
@@ -102,34 +97,10 @@ FrequencyResponseData chosen_points(const FrequencyResponseData& data,
   return {std::move(omega), std::move(value), std::move(sigma), data.frequency_unit()};
 }
 
-FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
-  return chosen_points(data, [&](std::size_t i) { return (i >= first && i < last) == inside; });
-}
-
-TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside) {
-  std::vector<std::size_t> index;
-  for (std::size_t i = 0; i < data.observed().size(); ++i) {
-    if ((i >= first && i < last) == inside) index.push_back(data.observed()[i]);
-  }
-  return data.observed_at(std::move(index));
-}
-
 void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value) {
   ParameterConstraint& own = constraint_of(constraints, parameter);
   const std::string above = own.above;
   own = {std::string(parameter), value, {}, {}, {}, {}, above};
-}
-
-void hold(FitOptions& options, std::string_view parameter, double value) {
-  hold(options.constraints, parameter, value);
-}
-
-void hold(TimeFitOptions& options, std::string_view parameter, double value) {
-  if (parameter == offset_name) {
-    options.offset = value;
-  } else {
-    hold(options.constraints, parameter, value);
-  }
 }
 
 }  // namespace frac::detail

@@ -278,4 +278,11 @@ bool CurveResiduals::evaluate(std::span<const double> shared, std::span<const do
   return true;
 }
 
+std::vector<double> CurveResiduals::of_data(std::span<const double> shared, std::span<const double> own) {
+  std::vector<double> residual(rows());
+  evaluate(shared, own, residual.data(), nullptr);
+  residual.resize(count());
+  return residual;
+}
+
 }  // namespace frac::detail

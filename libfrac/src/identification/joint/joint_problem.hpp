@@ -149,6 +149,8 @@ class CurveResiduals {
   /// @param residual  rows() of them
   /// @param jacobian  a column of rows() for each own variable, then for each shared one; or null
   bool evaluate(std::span<const double> shared, std::span<const double> own, double* residual, double* jacobian);
+  /// Those of the data.
+  [[nodiscard]] std::vector<double> of_data(std::span<const double> shared, std::span<const double> own);
 
  private:
   std::unique_ptr<Problem> problem_;

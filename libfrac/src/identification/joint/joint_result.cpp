@@ -114,9 +114,7 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
 
 void describe_residuals(JointCurveResult& result, CurveResiduals& curve, const JointPoint& point, std::size_t c,
                         const std::optional<FitResult>& alone) {
-  std::vector<double> residual(curve.rows());
-  curve.evaluate(point.shared, point.own[c], residual.data(), nullptr);
-  residual.resize(curve.count());
+  const std::vector<double> residual = curve.of_data(point.shared, point.own[c]);
   double square = 0;
   for (const double each : residual) {
     square += each * each;

@@ -129,9 +129,7 @@ std::vector<double> noise_left(std::vector<CurveResiduals>& curves, const JointL
   for (const CurveResiduals& curve : curves) total += curve.count();
   std::vector<CurveVariance> estimated;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    std::vector<double> residual(curves[c].rows());
-    curves[c].evaluate(point.shared, point.own[c], residual.data(), nullptr);
-    residual.resize(curves[c].count());
+    const std::vector<double> residual = curves[c].of_data(point.shared, point.own[c]);
     const auto count = static_cast<double>(residual.size());
     const double degrees = count - static_cast<double>(layout.own.size()) -
                            static_cast<double>(layout.shared.size()) * count / static_cast<double>(total);

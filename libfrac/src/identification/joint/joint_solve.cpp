@@ -145,8 +145,7 @@ void add_block(ceres::Problem& problem, double* values, const std::vector<JointV
 JointCost cost_of_data(std::vector<CurveResiduals>& curves, const JointPoint& point) {
   JointCost sum{0, 0};
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    std::vector<double> residual(curves[c].rows());
-    curves[c].evaluate(point.shared, point.own[c], residual.data(), nullptr);
+    const std::vector<double> residual = curves[c].of_data(point.shared, point.own[c]);
     const double scale = curves[c].loss_scale();
     for (std::size_t first = 0; first < curves[c].count(); first += curves[c].per_point()) {
       double square = 0;

@@ -167,8 +167,10 @@ FamilyMembers element_members(const TermProblem& problem, const ElementFamily& f
   return members;
 }
 
-FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
-                         RatioGrowths& ratios) {
+}  // namespace
+
+FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
+                             RatioGrowths& ratios) {
   const ResidualRule rule = rule_of(data, options);
   const auto with = [&](Poles poles) { return RationalProblem(data, rule, poles); };
   FamilyMembers members =
@@ -181,8 +183,8 @@ FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& mo
   return members;
 }
 
-FamilyMembers members_of(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
-                         RatioGrowths& ratios) {
+FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
+                             RatioGrowths& ratios) {
   const auto refuse = [&model](const char* reason) {
     throw std::invalid_argument("model '" + model.name + "': " + reason);
   };
@@ -196,34 +198,6 @@ FamilyMembers members_of(const TimeResponseData& data, const NamedModel& model, 
   return members;
 }
 
-/// The chosen member alone.
-template <class Data, class Options>
-FamilyMembers chosen_member(const Data& data, const NamedModel& model, const Options& options, RatioGrowths& ratios) {
-  const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
-  const auto best_of = [&](FamilyMembers members) {
-    NamedModel& best = members.models.at(members.chosen);
-    best.ends_its_family = open_range && members.is_cut();
-    members.models = {std::move(best)};
-    members.chosen = 0;
-    return members;
-  };
-  FamilyMembers members = best_of(members_of(data, model, options, ratios));
-  if (members.set_aside) members.set_aside = std::make_shared<const FamilyMembers>(best_of(*members.set_aside));
-  return members;
-}
-
-}  // namespace
-
-FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  RatioGrowths ratios;
-  return members_of(data, model, options, ratios);
-}
-
-FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
-  RatioGrowths ratios;
-  return members_of(data, model, options, ratios);
-}
-
 std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
                                                  RatioGrowths& ratios) {
   const RationalProblem problem(data, rule_of(data, options));
@@ -232,14 +206,17 @@ std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& da
                              : problem.response(ladder.fits.at(ladder.chosen).shape);
 }
 
-FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
-                          RatioGrowths& ratios) {
-  return chosen_member(data, model, options, ratios);
-}
-
-FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
-                          RatioGrowths& ratios) {
-  return chosen_member(data, model, options, ratios);
+FamilyMembers chosen_member(const NamedModel& model, FamilyMembers members) {
+  const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
+  const auto best_of = [&](FamilyMembers all) {
+    NamedModel& best = all.models.at(all.chosen);
+    best.ends_its_family = open_range && all.is_cut();
+    all.models = {std::move(best)};
+    all.chosen = 0;
+    return all;
+  };
+  if (members.set_aside) members.set_aside = std::make_shared<const FamilyMembers>(best_of(*members.set_aside));
+  return best_of(std::move(members));
 }
 
 }  // namespace frac::detail

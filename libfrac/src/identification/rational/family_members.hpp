@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "frac/identification/model_library.hpp"
+#include "identification/data/fit_data.hpp"
 
 namespace frac::detail {
 
@@ -45,13 +46,14 @@ inline constexpr std::size_t few_relaxations = 2;
 
 class RatioGrowths;  // see rational_growth.hpp
 
-/// @param model  with a family
+/// Over time none has more zeros than poles: it would have no finite response to a step.
+/// @param model   with a family
+/// @param ratios  what other families of the same data and options have grown
 /// @throws std::invalid_argument  as resolved_model()
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
-                                           const FitOptions& options);
-/// None over time has more zeros than poles: it would have no finite response to a step.
+                                           const FitOptions& options, RatioGrowths& ratios);
 [[nodiscard]] FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model,
-                                           const TimeFitOptions& options);
+                                           const TimeFitOptions& options, RatioGrowths& ratios);
 
 /// Response of the best ratio of the default family at the frequencies of the data; empty where there is none.
 /// @param ratios  nothing, or what has grown of the same data and options
@@ -59,10 +61,11 @@ class RatioGrowths;  // see rational_growth.hpp
                                                                const FitOptions& options, RatioGrowths& ratios);
 
 /// The chosen member alone, which knows whether it ends its family.
-/// @param ratios  what other families of the same data and options have grown
-[[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
-                                        const FitOptions& options, RatioGrowths& ratios);
-[[nodiscard]] FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model,
-                                        const TimeFitOptions& options, RatioGrowths& ratios);
+[[nodiscard]] FamilyMembers chosen_member(const NamedModel& model, FamilyMembers members);
+template <class Data>
+[[nodiscard]] FamilyMembers best_member(const Data& data, const NamedModel& model, const OptionsOf<Data>& options,
+                                        RatioGrowths& ratios) {
+  return chosen_member(model, family_members(data, model, options, ratios));
+}
 
 }  // namespace frac::detail

@@ -225,12 +225,6 @@ Eigen::MatrixXd integrated(const RationalShape& shape, std::size_t k, const Driv
   return answer(drive, part, free_order ? std::vector{1, shape.order} : std::vector{1.0}, delay, sensitivity);
 }
 
-std::vector<double> observed_times(const TimeResponseData& data) {
-  std::vector<double> time;
-  for (const std::size_t i : data.observed()) time.push_back(data.time()[i]);
-  return time;
-}
-
 }  // namespace
 
 RecordRows record_rows(const TimeResponseData& data, const TimeFitOptions& options) {
@@ -271,7 +265,7 @@ RecordAnswers::RecordAnswers(const TimeResponseData& data, bool earlier_input, d
       response_(data, data.observed(), periodic_input(data)) {
   if (!earlier_input) return;
   step_.emplace(std::vector{data.time().front(), data.time().back()}, std::vector{1.0, 1.0}, Hold::zero_order,
-                observed_times(data));
+                observed(data, data.time()));
 }
 
 std::size_t RecordAnswers::free_motion_count(const RationalShape& shape) const {

@@ -20,7 +20,7 @@ double root_mean_square(const std::vector<double>& values, double base) {
 /// Gains about what the spread of the output is to the input, frequencies from a third of the record's inverse to three
 /// times the sampling rate.
 DataScale data_scale(const TimeResponseData& data, std::optional<double> offset) {
-  const std::vector<double> output = observed_output(data);
+  const std::vector<double> output = observed(data, data.output());
   const double mean = std::accumulate(output.begin(), output.end(), 0.0) / static_cast<double>(output.size());
   const double spread = root_mean_square(output, offset.value_or(mean));
   const double gain = spread > 0 ? spread / root_mean_square(data.input(), data.input_at_rest()) : 1;
@@ -57,12 +57,6 @@ Background background_of(const TimeFitOptions& options) {
 
 double length_of(const TimeResponseData& data) {
   return data.time().back() - data.time().front();
-}
-
-std::vector<double> observed_output(const TimeResponseData& data) {
-  std::vector<double> output;
-  for (const std::size_t i : data.observed()) output.push_back(data.output()[i]);
-  return output;
 }
 
 TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted)

@@ -43,8 +43,6 @@ class TimeProblem final : public Problem {
   std::optional<TimeResiduals> residuals_;
 };
 
-/// The outputs of the observed samples.
-[[nodiscard]] std::vector<double> observed_output(const TimeResponseData& data);
 /// s, from the first sample to the last.
 [[nodiscard]] double length_of(const TimeResponseData& data);
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <utility>
 
-#include "flat_directions.hpp"
+#include "base/linear_algebra.hpp"
+#include "linearisation.hpp"
 #include "search_starts.hpp"
 
 namespace frac::detail {
@@ -34,6 +36,23 @@ constexpr double missed_feature = 2;
 // A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
 // cost: beyond, the quadratic picture says that the data pin the parameter down.
 constexpr double hardly_resists = 0.1;
+
+/// Directions of theta, their largest entry 1, along which a step of 1 adds less than `times` the cost, as the
+/// curvature at the solution says.
+std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
+                                                 double times) {
+  const std::optional<Linearisation> at_best = linearised(residuals, solution.theta);
+  if (!at_best) return {};
+  const auto [values, vectors] = right_singular_vectors(at_best->reduced());
+  std::vector<std::vector<double>> directions;
+  for (Eigen::Index k = values.size(); k-- > 0;) {
+    const Eigen::VectorXd direction = vectors.col(k) / vectors.col(k).lpNorm<Eigen::Infinity>();
+    const double rise = values[k] * direction.norm();
+    if (!(rise * rise <= times * solution.cost)) continue;
+    directions.emplace_back(direction.begin(), direction.end());
+  }
+  return directions;
+}
 
 /// The state of one search.
 class Search {

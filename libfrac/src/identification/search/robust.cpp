@@ -6,7 +6,6 @@
 #include <random>
 #include <utility>
 
-#include "base/draws.hpp"
 #include "base/median.hpp"
 #include "search_starts.hpp"
 
@@ -70,48 +69,21 @@ LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<do
   return options;
 }
 
-namespace {
-
-/// Random places about a solution, `reach` e-folds away in coefficients, a third of `reach` in orders, and a twentieth
-/// of `reach` times their range in dead times.
-class Surroundings {
- public:
-  Surroundings(const ParameterMap& map, std::uint64_t seed) : map_(map), generator_(seed) {}
-
-  [[nodiscard]] std::vector<double> draw(std::vector<double> theta, double reach) {
-    for (std::size_t k = 0; k < theta.size(); ++k) {
-      const ParameterMap::Free& free = map_.free()[k];
-      const double step = reach * normal_draw(generator_);
-      if (free.role == ParameterRole::order) {
-        theta[k] += step / 3;
-      } else if (free.role == ParameterRole::delay) {
-        theta[k] += step * (free.upper - free.lower) / 20;
-      } else {
-        theta[k] = stepped_coefficient(free, theta[k], step);
-      }
-      theta[k] = std::clamp(theta[k], free.lower, free.upper);
-    }
-    return theta;
-  }
-
- private:
-  const ParameterMap& map_;
-  std::mt19937_64 generator_;
-};
-
-}  // namespace
-
 LocalOptions robust_search(Residuals& residuals, Loss loss, std::optional<double> scale, std::uint64_t seed,
                            LocalSolution& solution) {
   constexpr int most_places = 24, enough_returns = 4;
   constexpr double equally_good = 1e-3;
   LocalOptions options = robust_refinement(residuals, loss, scale, solution);
   double spread = robust_spread(residuals_at(residuals, solution.theta));
-  Surroundings surroundings(residuals.map(), seed);
+  std::mt19937_64 generator(seed);
+  const auto delay_step = [](const ParameterMap::Free& free, double step) {
+    return step * (free.upper - free.lower) / 20;
+  };
   int returns = 0;
   for (int place = 0; place < most_places && returns < enough_returns; ++place) {
     if (!(spread > rounding) || residuals.map().free().empty()) break;
-    const std::vector<double> start = surroundings.draw(solution.theta, place % 2 == 0 ? 0.5 : 2);
+    const std::vector<double> start =
+        drawn_about(residuals.map(), solution.theta, place % 2 == 0 ? 0.5 : 2, generator, delay_step);
     if (!std::isfinite(residuals.cost(start))) continue;
     LocalOptions quick = options;
     quick.iterations = 40;

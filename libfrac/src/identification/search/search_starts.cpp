@@ -100,10 +100,25 @@ void match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
   }
 }
 
-double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step) {
+std::vector<double> drawn_about(const ParameterMap& map, std::vector<double> theta, double reach,
+                                std::mt19937_64& generator,
+                                const std::function<double(const ParameterMap::Free&, double)>& delay_step) {
   constexpr double vanished = -20;
-  if (!entry.logarithmic) return theta * (1 + step);
-  return theta < vanished && entry.least == 0 && !entry.above ? step : theta + step;
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    const ParameterMap::Free& free = map.free()[k];
+    const double step = reach * normal_draw(generator);
+    if (free.role == ParameterRole::order) {
+      theta[k] += step / 3;
+    } else if (free.role == ParameterRole::delay) {
+      theta[k] += delay_step(free, step);
+    } else if (!free.logarithmic) {
+      theta[k] *= 1 + step;
+    } else {
+      theta[k] = theta[k] < vanished && free.least == 0 && !free.above ? step : theta[k] + step;
+    }
+    theta[k] = std::clamp(theta[k], free.lower, free.upper);
+  }
+  return theta;
 }
 
 std::vector<std::vector<double>> screened_draws(const Residuals& residuals, const std::vector<double>& suggested_orders,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -31,9 +32,13 @@ namespace frac::detail {
 /// factor to the power of its dimension.
 void match_magnitude(const Residuals& residuals, std::vector<double>& theta);
 
-/// A coefficient `step` e-folds away.  One that has fallen so far that its part of the model has vanished, from where
-/// no step leads back, is put that far from the size natural to the data instead.
-[[nodiscard]] double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step);
+/// A random place about another one: `reach` e-folds away in coefficients, a third of `reach` in orders.  A coefficient
+/// that has fallen so far that its part of the model has vanished, from where no step leads back, is put that far from
+/// the size natural to the data instead.
+/// @param delay_step  what a dead time changes by, of a normal number times `reach`
+[[nodiscard]] std::vector<double> drawn_about(
+    const ParameterMap& map, std::vector<double> theta, double reach, std::mt19937_64& generator,
+    const std::function<double(const ParameterMap::Free&, double)>& delay_step);
 
 /// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
 [[nodiscard]] std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,

@@ -12,6 +12,7 @@
 #include "identification/search/frequency_search.hpp"
 #include "interchange.hpp"
 #include "search_starts.hpp"
+#include "start_values.hpp"
 
 namespace frac::detail {
 namespace {
@@ -55,7 +56,7 @@ class TimeSearch {
 
   GlobalSolution run() {
     const ParameterMap& map = problem_.map;
-    if (is_complete(map.start(), map)) try_from(map.to_theta(map.start()));
+    if (!without_start(map)) try_from(map.to_theta(map.start()));
     if (problem_.options.global_start && !map.free().empty() && !is_exact() && problem_.periodic()) {
       search_lines();
     } else if (problem_.options.global_start && !map.free().empty() && !is_exact()) {
@@ -199,31 +200,14 @@ class TimeSearch {
     return std::sqrt(square / degrees * 2 / count);
   }
 
-  // About the best one: `reach` e-folds in coefficients, a third of `reach` in orders.  Dead times have minima between
-  // any two samples, so they move by some samples or by a tenth of the record.
+  // About the best one.  Dead times have minima between any two samples, so they move by some samples or by a tenth of
+  // the record.
   [[nodiscard]] std::vector<double> drawn_about_best(double reach) {
-    const std::vector<double>& time = problem_.data.time();
-    const double length = time.back() - time.front();
-    const double sampling = length / static_cast<double>(time.size() - 1);
-    std::vector<double> theta = result_.best.theta;
-    const auto& free = problem_.map.free();
-    for (std::size_t k = 0; k < theta.size(); ++k) {
-      const double step = reach * normal_draw(generator_);
-      switch (free[k].role) {
-        case ParameterRole::coefficient:
-          theta[k] = stepped_coefficient(free[k], theta[k], step);
-          break;
-        case ParameterRole::order:
-          theta[k] += step / 3;
-          break;
-        case ParameterRole::delay:
-          theta[k] +=
-              step * (uniform_draw(generator_) < 0.5 ? 2 * sampling : 0.1 * length) * problem_.map.scale().omega;
-          break;
-      }
-      theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
-    }
-    return theta;
+    const double length = length_of(problem_.data);
+    const double sampling = length / static_cast<double>(problem_.data.size() - 1);
+    return drawn_about(problem_.map, result_.best.theta, reach, generator_, [&](const auto&, double step) {
+      return step * (uniform_draw(generator_) < 0.5 ? 2 * sampling : 0.1 * length) * problem_.map.scale().omega;
+    });
   }
 
   void look_about(const TimeResiduals& sparse) {
@@ -278,11 +262,6 @@ class TimeSearch {
 };
 
 }  // namespace
-
-bool is_complete(const std::vector<double>& start, const ParameterMap& map) {
-  return std::none_of(map.free().begin(), map.free().end(),
-                      [&](const auto& entry) { return std::isnan(start[entry.parameter]); });
-}
 
 GlobalSolution time_search(const TimeProblem& problem, double hopeless, double settled) {
   return TimeSearch(problem, hopeless, settled).run();

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "global_search.hpp"
 #include "identification/residuals/time_problem.hpp"
 
 namespace frac::detail {
-
-[[nodiscard]] bool is_complete(const std::vector<double>& start, const ParameterMap& map);
 
 /// Fits the Laplace transforms of the record, weighed towards its beginning in three ways, and simulations of a part of
 /// the samples from there and from the given starts; then looks about the best of them, seeded, until enough of the

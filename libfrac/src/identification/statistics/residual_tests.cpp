@@ -177,18 +177,6 @@ LackOfFit detail::first_order_tests(std::span<const double> residual, std::span<
   return result;
 }
 
-std::string_view to_string(NoiseSource source) {
-  switch (source) {
-    case NoiseSource::sigma:
-      return "sigma";
-    case NoiseSource::repeats:
-      return "repeats";
-    case NoiseSource::data:
-      return "data";
-  }
-  return "unknown";
-}
-
 LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result) {
   const detail::ResidualRule rule = detail::residual_rule(data, detail::settled(options, result));
   const std::vector<double> residual = detail::weighted_residuals(data, options, result);
@@ -219,27 +207,16 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
 
 namespace {
 
-struct RecordScale {
-  std::vector<double> time;
-  double rounding;
-};
-RecordScale scale_of(const TimeResponseData& data) {
-  RecordScale scale{{}, 0};
-  for (const std::size_t i : data.observed()) {
-    scale.time.push_back(data.time()[i]);
-    const double size = std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]);
-    scale.rounding = std::max(scale.rounding, 1e-12 * size);
-  }
-  return scale;
+double rounding_of(const TimeResponseData& data, const TimeFitOptions& options) {
+  return 1e-12 * detail::weighted_size(data, options);
 }
 
 }  // namespace
 
 LackOfFit detail::tests_in_told_noise(const TimeResponseData& data, const TimeFitOptions& options,
                                       std::span<const double> residual, std::size_t parameters) {
-  const RecordScale scale = scale_of(data);
-  return residual_tests(residual, 1, scale.time, parameters, !data.sigma().empty(), scale.rounding,
-                        options.noise_correlation > 0);
+  return residual_tests(residual, 1, observed(data, data.time()), parameters, !data.sigma().empty(),
+                        rounding_of(data, options), options.noise_correlation > 0);
 }
 
 LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
@@ -248,8 +225,8 @@ LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& option
   if (known.noise_correlation > 0) {
     return detail::tests_in_told_noise(data, known, residual, result.free_parameters);
   }
-  const RecordScale scale = scale_of(data);
-  return detail::first_order_tests(residual, scale.time, result.free_parameters, !data.sigma().empty(), scale.rounding);
+  return detail::first_order_tests(residual, detail::observed(data, data.time()), result.free_parameters,
+                                   !data.sigma().empty(), rounding_of(data, options));
 }
 
 }  // namespace frac

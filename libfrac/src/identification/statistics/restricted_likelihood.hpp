@@ -49,7 +49,6 @@ class RestrictedLikelihood {
     double logarithm;
     double innovation;  // variance of the white noise that drives the first-order one
   };
-  [[nodiscard]] double count() const noexcept { return count_; }
   [[nodiscard]] Value at(double r) const {
     const Eigen::MatrixXd all = whole_ - r * neighbours_ + r * r * middle_;
     const Eigen::VectorXd factor = CholeskyFactor(all).diagonal();
@@ -66,19 +65,5 @@ class RestrictedLikelihood {
   Eigen::Index width_;
   Eigen::MatrixXd whole_, neighbours_, middle_;
 };
-
-/// r from 0 to .999 where that is greatest.  Its peak has the width 1/sqrt(count) in Fisher's z = atanh r, and a step
-/// of a third of it misses at most 1/72 of the logarithm.
-[[nodiscard]] inline double likely_correlation(const RestrictedLikelihood& likelihood) {
-  const double last = std::atanh(0.999), step = std::min(0.05, 1 / (3 * std::sqrt(likelihood.count())));
-  double best = 0, highest = likelihood.at(0).logarithm;
-  for (double z = step; z < last; z += step) {
-    const double here = likelihood.at(std::tanh(z)).logarithm;
-    if (!(here > highest)) continue;
-    highest = here;
-    best = std::tanh(z);
-  }
-  return best;
-}
 
 }  // namespace frac::detail

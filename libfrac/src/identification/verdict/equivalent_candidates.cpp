@@ -9,8 +9,6 @@
 #include <utility>
 #include <variant>
 
-#include "identification/data/residual_rule.hpp"
-
 namespace frac::detail {
 namespace {
 
@@ -28,7 +26,8 @@ bool same_residuals(const Competitor& one, const Competitor& other, double unit)
   return distance <= of_noise * of_noise * size + rounding * rounding * static_cast<double>(one.residual.size());
 }
 
-/// Whether the two are one beyond the data as well, which models that are alike on the data seldom are.
+}  // namespace
+
 bool same_beyond(const FrequencyResponseData& data, const FitOptions& options, const FitResult& one,
                  const FitResult& other) {
   if (!std::holds_alternative<ExactRealisation>(options.realisation)) return true;
@@ -45,23 +44,8 @@ bool same_beyond(const FrequencyResponseData& data, const FitOptions& options, c
   return true;
 }
 
-double unit_of(const FrequencyResponseData& data, const FitOptions& options) {
-  return residual_rule(data, options).unit;
-}
-double unit_of(const TimeResponseData& data, const TimeFitOptions&) {
-  double most = 0;
-  for (const std::size_t i : data.observed()) {
-    most = std::max(most, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
-  }
-  return most;
-}
-
-}  // namespace
-
-template <class Data>
-void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competitor> passive, const Data& data,
-                      const OptionsOf<Data>& options) {
-  const double unit = unit_of(data, options);
+void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competitor> passive, double size,
+                      const std::function<bool(const FitResult&, const FitResult&)>& one_beyond) {
   // A preset says more than the member of a family.
   std::stable_sort(competitors.begin(), competitors.end(), [](const Competitor& a, const Competitor& b) {
     return !a.ranked.from_family && b.ranked.from_family;
@@ -71,14 +55,10 @@ void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competit
   std::vector<Competitor> kept;
   for (Competitor& each : competitors) {
     const auto same = std::find_if(kept.begin(), kept.end(), [&](const Competitor& other) {
-      const bool alike =
-          each.ranked.model_class != ModelClass::fixed_curve && other.ranked.model_class == each.ranked.model_class &&
-          !(each.passive && other.ranked.from_family) &&
-          other.ranked.fit.free_parameters == each.ranked.fit.free_parameters && same_residuals(other, each, unit);
-      if constexpr (is_response<Data>)
-        return alike && same_beyond(data, options, other.ranked.fit, each.ranked.fit);
-      else
-        return alike;
+      return each.ranked.model_class != ModelClass::fixed_curve &&
+             other.ranked.model_class == each.ranked.model_class && !(each.passive && other.ranked.from_family) &&
+             other.ranked.fit.free_parameters == each.ranked.fit.free_parameters && same_residuals(other, each, size) &&
+             one_beyond(other.ranked.fit, each.ranked.fit);
     });
     if (same == kept.end()) {
       kept.push_back(std::move(each));
@@ -91,10 +71,5 @@ void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competit
   }
   competitors = std::move(kept);
 }
-
-template void merge_equivalent(std::vector<Competitor>&, std::vector<Competitor>, const FrequencyResponseData&,
-                               const FitOptions&);
-template void merge_equivalent(std::vector<Competitor>&, std::vector<Competitor>, const TimeResponseData&,
-                               const TimeFitOptions&);
 
 }  // namespace frac::detail

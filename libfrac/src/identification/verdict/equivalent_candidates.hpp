@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <vector>
 
-#include "identification/data/fit_data.hpp"
+#include "frac/identification/fit.hpp"
 #include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
@@ -12,8 +13,13 @@ namespace frac::detail {
 /// member of a family, and puts the names of the others into its RankedFit::also.  A preset goes before the member of a
 /// family.  Sums of passive elements are merged with presets only, since members of families do not stand for them.
 /// @param competitors  in the order of the candidates; the sums of passive elements stand behind afterwards
-template <class Data>
-void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competitor> passive, const Data& data,
-                      const OptionsOf<Data>& options);
+/// @param size         of the weighted data
+/// @param one_beyond  whether two fits that are alike on the data are one model beyond them as well
+void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competitor> passive, double size,
+                      const std::function<bool(const FitResult&, const FitResult&)>& one_beyond);
+
+/// Whether two models are one a decade beyond the data, which those that are alike on the data seldom are.
+[[nodiscard]] bool same_beyond(const FrequencyResponseData& data, const FitOptions& options, const FitResult& one,
+                               const FitResult& other);
 
 }  // namespace frac::detail

@@ -3,16 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "frac/identification/validate.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 #include "identification/verdict/distribution_rival.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/next_measurement.hpp"
-#include "identification/verdict/prediction.hpp"
 #include "identification/verdict/ruling.hpp"
 #include "identification/verdict/verdict_sentence.hpp"
 
@@ -46,11 +50,12 @@ void differ_most(IdentificationResult& result, const FrequencyResponseData& data
   }
 }
 
-AxisUnit axis_unit(const FrequencyResponseData& data) {
-  return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
-}
-AxisUnit axis_unit(const TimeResponseData&) {
-  return {"s", 1};
+template <class Data>
+AxisUnit axis_unit(const Data& data) {
+  if constexpr (is_response<Data>)
+    return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
+  else
+    return {"s", 1};
 }
 
 /// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
@@ -70,17 +75,15 @@ bool coarsely_rounded(const FrequencyResponseData& data, const FitOptions& optio
   return static_cast<double>(repeats) > most_repeats * static_cast<double>(pairs);
 }
 
-bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
-  return fit.rms <= most_model_error * residual_rule(data, options).unit;
-}
-/// Over time the unit is the rms of the output.
-bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, const FitResult& fit) {
-  double square = 0;
-  for (const std::size_t i : data.observed()) {
-    const double weighted = data.output()[i] / (data.sigma().empty() ? 1 : data.sigma()[i]);
-    square += weighted * weighted;
+template <class Data>
+bool within_model_error(const Data& data, const OptionsOf<Data>& options, const FitResult& fit) {
+  if constexpr (is_response<Data>) {
+    return fit.rms <= most_model_error * residual_rule(data, options).unit;
+  } else {
+    double square = 0;
+    for (const double each : weighted_output(data)) square += each * each;
+    return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(points(data)));
   }
-  return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(data.observed().size()));
 }
 
 /// What would let the skipped rivals take part.
@@ -149,11 +152,88 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
           .over_time = !is_response<Data>};
 }
 
+/// Points [first, last) that are left out together.
+using Block = std::pair<std::size_t, std::size_t>;
+
+/// Blocks of neighbouring points, each point in one.
+std::vector<Block> even_blocks(std::size_t points, std::size_t count) {
+  std::vector<Block> blocks;
+  for (std::size_t i = 0; i < count; ++i) blocks.emplace_back(i * points / count, (i + 1) * points / count);
+  return blocks;
+}
+
+/// Such blocks of half a decade, but five to ten of them.
+std::vector<Block> half_decades(const FrequencyResponseData& data) {
+  // Over a longer gap structures of many parameters say nothing.
+  const double count = 2 * std::log10(data.omega().back() / data.omega().front());
+  return even_blocks(data.size(), static_cast<std::size_t>(std::clamp(std::round(count), 5.0, 10.0)));
+}
+
+/// The points within half a decade of either end; none where that takes more than a third of them.
+std::vector<Block> end_blocks(const FrequencyResponseData& data) {
+  const double half_decade = std::sqrt(10.0);
+  const std::vector<double>& omega = data.omega();
+  const auto below = std::upper_bound(omega.begin(), omega.end(), omega.front() * half_decade);
+  const auto above = std::lower_bound(omega.begin(), omega.end(), omega.back() / half_decade);
+  const auto lower = static_cast<std::size_t>(below - omega.begin());
+  const auto upper = static_cast<std::size_t>(omega.end() - above);
+  if (3 * (lower + upper) > 2 * omega.size()) return {};
+  return {{0, lower}, {omega.size() - upper, omega.size()}};
+}
+
+/// The options of a fit that starts where the competitor's ended, with what ended at a limit held there; empty where an
+/// estimate is not finite.
+template <class Options>
+std::optional<Options> refit_options(Options options, const Competitor& competitor) {
+  options.constraints = competitor.ranked.model.constraints;
+  for (const ParameterEstimate& estimate : competitor.ranked.fit.parameters) {
+    if (!std::isfinite(estimate.value)) return std::nullopt;
+    if (estimate.at_bound) hold(options, estimate.name, estimate.value);
+  }
+  return started_at(std::move(options), competitor.ranked.fit);
+}
+
+/// rms of the weighted residuals with which fits to the rest predict each block, started from the fit to all; infinity
+/// where one of them fails, NaN without a block.
+template <class Data>
+double prediction_rms(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor,
+                      const std::vector<Block>& blocks) {
+  if (blocks.empty()) return std::numeric_limits<double>::quiet_NaN();
+  constexpr double failed = std::numeric_limits<double>::infinity();
+  const std::size_t per_point = residuals_per_point(data, options);
+  double square = 0, count = 0;
+  const auto add = [&](const std::vector<double>& residual, const Block& block) {
+    for (std::size_t i = block.first * per_point; i < block.second * per_point; ++i)
+      square += residual[i] * residual[i];
+    count += static_cast<double>((block.second - block.first) * per_point);
+  };
+  if (competitor.ranked.model_class == ModelClass::fixed_curve) {
+    for (const Block& block : blocks) add(competitor.residual, block);
+    return std::sqrt(square / count);
+  }
+  const Structure structure(competitor.ranked.fit.model);
+  const auto started = refit_options(options, competitor);
+  if (!started) return failed;
+  for (const Block& block : blocks) {
+    try {
+      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *started);
+      if (fit.termination == FitTermination::no_usable_start) return failed;
+      add(weighted_residuals(data, options, fit), block);
+    } catch (const std::invalid_argument&) {
+      return failed;
+    }
+  }
+  return std::isfinite(square) ? std::sqrt(square / count) : failed;
+}
+
 template <class Data>
 void predict(const Data& data, const OptionsOf<Data>& options, const Competitor& competitor, Finalist& finalist) {
-  finalist.prediction_rms = prediction_rms(data, options, competitor, blocks_of(data));
+  const auto rms = [&](const std::vector<Block>& blocks) { return prediction_rms(data, options, competitor, blocks); };
   if constexpr (is_response<Data>) {
-    finalist.extrapolation_rms = prediction_rms(data, options, competitor, end_blocks(data));
+    finalist.prediction_rms = rms(half_decades(data));
+    finalist.extrapolation_rms = rms(end_blocks(data));
+  } else {
+    finalist.prediction_rms = rms(even_blocks(points(data), 5));
   }
 }
 

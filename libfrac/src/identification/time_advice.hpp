@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/identification/identify.hpp"
 #include "frac/identification/time_fit.hpp"
 
 namespace frac::detail {
@@ -26,5 +27,11 @@ struct HoldAdvice {
 
 /// Adds what is not yet among the advice.
 void add_advice(const std::vector<Advice>& more, std::vector<Advice>& advice);
+
+/// Says it in the verdict's sentence and as advice where a preset with a drift of the output, or with an input before
+/// the record, describes the record better than the ratio that was chosen without: poles of a ratio can follow a drift,
+/// which then stands in no residual.  Nothing where none does, or where a preset was chosen, whose own residuals would
+/// show it.
+void add_background_advice(const TimeResponseData& data, const TimeFitOptions& options, IdentificationResult& result);
 
 }  // namespace frac::detail
