@@ -12,4 +12,8 @@ namespace frac::detail {
 [[nodiscard]] Eigen::VectorXd nonnegative_minimum(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& b,
                                                   std::vector<bool>& free);
 
+/// The x >= 0 of least |A x - b| for columns of length 1, which may depend on each other, by active sets (Lawson,
+/// Hanson 1974, chapter 23): no Hessian squares their condition.
+[[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& b);
+
 }  // namespace frac::detail
