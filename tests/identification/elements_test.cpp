@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -20,8 +19,10 @@
 #include "frac/identification/model_choice.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/element_growth.hpp"
+#include "identification/relaxation/nonnegative.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
+#include "support/random_circuit.hpp"
 
 namespace {
 
@@ -40,21 +41,6 @@ frac::FrequencyResponseData sampled(const std::vector<double>& omega, Function f
   std::vector<Complex> value;
   for (const double each : omega) value.push_back(function(Complex(0, each)));
   return {omega, value};
-}
-
-std::string circuit_of(const frac::NamedModel& model) {
-  return model.name.substr(model.name.find(':') + 1);
-}
-
-/// Elements without their numbers.
-std::multiset<std::string> kinds_in(const frac::NamedModel& model) {
-  std::multiset<std::string> kinds;
-  std::istringstream circuit(circuit_of(model));
-  for (std::string element; std::getline(circuit, element, '+');) {
-    std::erase_if(element, [](unsigned char c) { return std::isdigit(c) != 0; });
-    kinds.insert(element);
-  }
-  return kinds;
 }
 
 // A central difference of step h is off by h^2/6 of a third derivative, which is at most some tens of the value here,
@@ -124,7 +110,7 @@ TEST(Elements, EachIsFoundInTheResponseThatItMakesBesideAResistor) {
   for (const Single& single : singles) {
     const auto data = sampled(support::four_decades(60), single.response);
     const frac::Growth growth = frac::grow(data, frac::GrowthFamily::elements, relative());
-    EXPECT_EQ(circuit_of(growth.models.at(growth.chosen)), single.circuit);
+    EXPECT_EQ(support::circuit_of(growth.models.at(growth.chosen)), single.circuit);
     const frac::FitResult& fit = growth.fits.at(growth.chosen);
     EXPECT_LT(fit.rms, 1e-8) << single.circuit;
     for (const auto& [name, value] : single.parameters) {
@@ -151,68 +137,13 @@ TEST(Elements, ModesOfAStructureAreFoundWithTheirKindOfDamping) {
     return value + std::abs(value) * Complex(real, imaginary);
   });
   const frac::Growth growth = frac::grow(data, frac::GrowthFamily::elements, relative());
-  EXPECT_EQ(kinds_in(growth.models.at(growth.chosen)), (std::multiset<std::string>{"R", "mode", "structural-mode"}));
+  EXPECT_EQ(support::kinds_in(growth.models.at(growth.chosen)),
+            (std::multiset<std::string>{"R", "mode", "structural-mode"}));
   for (const frac::ParameterEstimate& each : growth.fits.at(growth.chosen).parameters) {
     // Five standard errors: missed by one seed in a million.
     if (each.name[0] != 'q' && each.name[0] != 'd') continue;
     EXPECT_NEAR(each.value, each.name[0] == 'q' ? 0.02 : 0.03, 5 * each.standard_error) << each.name;
   }
-}
-
-/// A circuit of some kinds, in numbers.
-struct Circuit {
-  std::string formula;
-  std::multiset<std::string> kinds;
-  std::map<std::string, double> values;  // of R0, L0
-};
-
-Circuit random_circuit(std::mt19937_64& generator) {
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const auto draw = [&] { return uniform(generator); };
-  const auto log_uniform = [&](double low, double decades) { return low * std::pow(10.0, decades * draw()); };
-  const auto text = [](double value) {
-    std::ostringstream out;
-    out.precision(12);
-    out << value;
-    return out.str();
-  };
-  Circuit circuit;
-  const auto put = [&](const std::string& kind, const std::string& formula) {
-    circuit.kinds.insert(kind);
-    circuit.formula += (circuit.formula.empty() ? "" : " + ") + formula;
-  };
-  const double r0 = log_uniform(0.3, 1);
-  circuit.values["R0"] = r0;
-  put("R", text(r0));
-  if (draw() < 0.4) {
-    circuit.values["L0"] = r0 * log_uniform(1e-5, 1);
-    put("L", text(circuit.values["L0"]) + " s");
-  }
-  double decade = -3.5;
-  for (int arcs = draw() < 0.5 ? 1 : 2; arcs > 0; --arcs, decade += 2) {
-    const std::string t = text(log_uniform(std::pow(10.0, decade), 0.5)), r = text(log_uniform(0.5, 0.8));
-    const double kind = draw();
-    if (kind < 0.25) {
-      put("(R|C)", r + "/(1 + " + t + " s)");
-    } else if (kind < 0.8) {
-      put("(R|CPE)", r + "/(1 + (" + t + " s)^" + text(0.65 + 0.25 * draw()) + ")");
-    } else {
-      put("G", r + "/sqrt(1 + " + t + " s)");
-    }
-  }
-  const double kind = draw();
-  const std::string root = "sqrt(" + text(log_uniform(std::pow(10.0, decade + 1), 0.5)) + " s)";
-  const std::string r = text(log_uniform(1, 0.8));
-  if (kind < 0.2) {
-    put("W", r + "/sqrt(s)");
-  } else if (kind < 0.4) {
-    put("Wo", r + " coth(" + root + ")/" + root);
-  } else if (kind < 0.6) {
-    put("Ws", r + " tanh(" + root + ")/" + root);
-  } else if (kind < 0.8) {
-    put("C", "1/(" + r + " s)");
-  }
-  return circuit;
 }
 
 // Of 150 such circuits of other seeds, noise 0.1 to 0.5 %, 3 to 5 % came out with an element of another kind, nearly
@@ -228,7 +159,7 @@ TEST(Elements, SeededCircuitsAreFoundAgain) {
   int right = 0, inside = 0, intervals = 0;
   constexpr int count = 16;
   for (int i = 0; i < count; ++i) {
-    const Circuit circuit = random_circuit(generator);
+    const support::Circuit circuit = support::random_circuit(generator);
     const frac::Structure truth(circuit.formula);
     std::vector<Complex> value;
     double cost = 0;
@@ -241,7 +172,7 @@ TEST(Elements, SeededCircuitsAreFoundAgain) {
     const frac::Growth growth =
         frac::grow(frac::FrequencyResponseData(omega, value), frac::GrowthFamily::elements, relative());
     const frac::FitResult& fit = growth.fits.at(growth.chosen);
-    const bool same = kinds_in(growth.models.at(growth.chosen)) == circuit.kinds;
+    const bool same = support::kinds_in(growth.models.at(growth.chosen)) == circuit.kinds;
     right += same ? 1 : 0;
     EXPECT_LE(fit.cost, cost * (same ? 1.001 : 1.125)) << circuit.formula;
     for (const frac::ParameterEstimate& each : fit.parameters) {
@@ -273,6 +204,70 @@ TEST(Elements, WhatIsGrownIsPassiveEvenWhereDataAreNot) {
     };
     EXPECT_TRUE(all([](Complex each) { return each.real(); }) || all([](Complex each) { return -each.imag(); }))
         << fit.model;
+  }
+}
+
+// The conditions of Karush, Kuhn and Tucker tell the solution of a convex problem without another solver: what is
+// positive has no slope, what is 0 a slope that raises the cost.  Columns twice, and sums of others, leave both true.
+TEST(Elements, NonnegativeLeastSquaresEndAtTheLeastCost) {
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 20; ++round) {
+    Eigen::MatrixXd columns(30, 24);
+    for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+      for (Eigen::Index i = 0; i < columns.rows(); ++i) columns(i, k) = normal(generator) + 1;
+    }
+    columns.col(3) = columns.col(2);
+    columns.col(5) = columns.col(6) + columns.col(7);
+    columns.colwise().normalize();
+    Eigen::VectorXd right(30);
+    for (Eigen::Index i = 0; i < right.size(); ++i) right(i) = normal(generator);
+    const Eigen::VectorXd x = frac::detail::nonnegative_least_squares(columns, right);
+    const Eigen::VectorXd slope = columns.transpose() * (right - columns * x);
+    // Rounding of 30 products, and the 1e-12 below which a column has nothing left to give.
+    constexpr double rounding = 1e-11;
+    EXPECT_GE(x.minCoeff(), 0);
+    EXPECT_LE(slope.maxCoeff(), rounding * right.norm());
+    EXPECT_LE(std::abs(slope.dot(x)), rounding * right.norm() * (1 + x.norm()));
+  }
+}
+
+// A mixture of relaxations at places 1/8 e-fold apart follows each element and each sum of them to (1/8)^2/32 of its
+// value, and a network of resistors and capacitors too: here a stray capacitor beside a resistor and diffusion.  A
+// resonance is none: where a mode of damping 0.1 changes sign its imaginary part falls by its height within a tenth of
+// the frequency, where no relaxation changes by more than a tenth of its own.
+TEST(Elements, EachButAModeIsAMixtureOfRelaxations) {
+  const auto least = [](Complex (*response)(Complex)) {
+    const auto data = sampled(support::four_decades(60), response);
+    const frac::detail::TermProblem problem(data, frac::detail::residual_rule(data, relative()));
+    return std::sqrt(frac::detail::least_cost_of_relaxations(problem) / static_cast<double>(problem.rows()));
+  };
+  constexpr double spacing = 1.0 / 8;
+  for (const auto response : std::vector<Complex (*)(Complex)>{
+           [](Complex s) { return 3.0 / (1.0 + std::pow(0.5 * s, 0.7)); },
+           [](Complex s) { return 3.0 / (1.0 + 0.7 * s); },
+           [](Complex s) { return 2.0 * s / (1.0 + 0.7 * s) + 0.1 * s; },
+           [](Complex s) { return 2.0 + 3.0 / std::sqrt(1.0 + 0.5 * s) + 0.2 * std::pow(s, 0.6); },
+           [](Complex s) { return std::tanh(std::sqrt(s)) / std::sqrt(s) + 1.0 / std::pow(s, 0.3); },
+           [](Complex s) { return 1.0 / std::sqrt(s) / std::tanh(std::sqrt(s)); },
+           [](Complex s) { return 1.0 / (0.05 * s + 1.0 / (2.0 + 3.0 / std::sqrt(s))); }}) {
+    EXPECT_LT(least(response), spacing * spacing / 32);
+  }
+  EXPECT_GT(least([](Complex s) { return s / (s * s + 0.1 * s + 1.0); }), 0.1);
+}
+
+// No sum of elements of any growth comes below the least of all sums, by more than the places of the latter lie apart.
+TEST(Elements, NoGrownSumComesBelowTheLeastOfAll) {
+  std::mt19937_64 generator(907);
+  for (int i = 0; i < 6; ++i) {
+    const support::Circuit circuit = support::random_circuit(generator);
+    const auto data = support::noisy_response(circuit.formula.c_str(), {}, 0.01, generator, 40);
+    const frac::detail::TermProblem problem(data, frac::detail::residual_rule(data, relative()));
+    const double least = frac::detail::least_cost_of_relaxations(problem);
+    const frac::Growth growth = frac::grow(data, frac::GrowthFamily::elements, relative());
+    // 5e-4 of the data beside their noise of 1 %.
+    EXPECT_GE(growth.fits.at(growth.chosen).cost, least * (1 - 0.0025)) << circuit.formula;
+    EXPECT_NE(growth.reason.find("no sum of passive elements without resonance"), std::string::npos);
   }
 }
 

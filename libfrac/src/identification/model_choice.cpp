@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/short_text.hpp"
 #include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/rational/family_members.hpp"
@@ -281,8 +282,18 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
     weighted.noise_floor = fit(data, Structure(chosen.model), detail::started_at(telling, chosen)).noise_floor;
     return *weighted.noise_floor > 0 ? grow(data, family, weighted, most_terms) : growth;
   }
-  if (const auto from_data = family_from_data(family)) return grown_from_data(data, *from_data, options);
-  return grown(data, family, options, most_terms);
+  const auto from_data = family_from_data(family);
+  if (!from_data) return grown(data, family, options, most_terms);
+  Growth growth = grown_from_data(data, *from_data, options);
+  if (family != GrowthFamily::elements) return growth;
+  const std::optional<double> least = detail::least_rms_of_relaxations(data, options);
+  // Data that a sum meets more closely than its places lie have no bound to speak of.
+  if (least && *least < growth.fits.at(growth.chosen).rms) {
+    growth.reason.back() = ';';
+    growth.reason += " no sum of passive elements without resonance, however many, comes below rms " +
+                     detail::short_text(*least) + ".";
+  }
+  return growth;
 }
 
 Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "identification/relaxation/nonnegative.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -18,6 +20,9 @@ constexpr double indistinguishable = 2;  // differences of the value, as of AICc
 
 // Number of ways to add an element that get a search of their own, those that lower the cost most before it.
 constexpr std::size_t searched = 8;
+// Sums that the next element is added to.  With two, the chosen sum costs more than the truth in 10 of 600 circuits of
+// the benchmark element_rates, with four in 5, with six, which take 1.4 times as long, in 4.
+constexpr std::size_t kept = 4;
 
 /// Elements of one kind along orders or places.
 using Line = std::vector<Term>;
@@ -235,8 +240,9 @@ PassiveKind passive_kind(const ProjectedData& data) {
 }
 
 double element_value(const TermProblem& problem, PassiveResponse response, const TermFit& fit) {
-  const double of_kind = 2 * std::log(kinds_of(response));
-  return term_value(problem, fit) + of_kind * static_cast<double>(fit.sum.size());
+  const auto count = static_cast<double>(fit.sum.size());
+  const double of_kinds = count * std::log(kinds_of(response)) - std::lgamma(count + 1);
+  return term_value(problem, fit) + 2 * of_kinds;
 }
 
 namespace {
@@ -255,7 +261,7 @@ ElementLadder grow_elements(const TermProblem& problem, std::size_t most_element
   for (std::size_t count = 1; count <= most_elements && 3 * count + 1 < problem.rows(); ++count) {
     std::vector<TermFit> refined;
     for (const TermSum& sum : sums) growth.extend(sum, refined);
-    const std::vector<TermFit> best = best_sums(std::move(refined), value_of, [&](const TermFit& grown) {
+    const std::vector<TermFit> best = best_sums(std::move(refined), kept, value_of, [&](const TermFit& grown) {
       return growth.simplified(growth.refine(grown.sum, thorough));
     });
     if (best.empty()) break;
@@ -286,6 +292,20 @@ ElementLadder grow_elements(const TermProblem& problem, std::size_t most_element
       std::remove_if(last, ladder.fits.end(), [&](const TermFit& fit) { return fit.parameters <= chosen.parameters; }),
       ladder.fits.end());
   return ladder;
+}
+
+double least_cost_of_relaxations(const TermProblem& problem) {
+  // So many e-folds beyond the band a relaxation is a resistor, a capacitor or an inductor to 1e-4.
+  constexpr double beyond = 9;
+  // One between two places an eighth of an e-fold apart is their mixture to the square of that over 32, 5e-4.
+  constexpr double places_per_e_fold = 8;
+  TermSum all{whole_power(0), whole_power(1), whole_power(-1)};
+  for (double at = problem.log_lower() - beyond; at < problem.log_upper() + beyond; at += 1 / places_per_e_fold) {
+    for (const Kind kind : {Kind::arc, Kind::rise}) all.push_back({kind, 1, true, at});
+  }
+  const auto seen = problem.weighted(problem.columns(all));
+  if (!seen) return 0;
+  return (seen->matrix * nonnegative_least_squares(seen->matrix, problem.target()) - problem.target()).squaredNorm();
 }
 
 namespace {

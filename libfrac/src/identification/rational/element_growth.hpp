@@ -24,10 +24,17 @@ struct PassiveKind {
 };
 [[nodiscard]] PassiveKind passive_kind(const ProjectedData& data);
 
-/// term_value() with the choice of kinds paid for, 2 ln of their number for each element.
+/// term_value() with the choice of kinds paid for.  Of m kinds and their places k elements are drawn in k! orders,
+/// which make one sum: 2 ln m for each element, less 2 ln k!.
 [[nodiscard]] double element_value(const TermProblem& problem, PassiveResponse response, const TermFit& fit);
 
 [[nodiscard]] ElementLadder grow_elements(const TermProblem& problem, std::size_t most_elements);
+
+/// The least cost of any sum of resistors, inductors, capacitors, relaxations and diffusion, whatever their number,
+/// orders and places; of an immittance.  Each of them is a mixture, with weights that are nowhere negative, of
+/// resistors beside a capacitor and resistors beside an inductor at all times (Cole, Cole 1941; Fuoss, Kirkwood 1941),
+/// and so is every network of resistors with capacitors alone or inductors alone.  Modes are none.
+[[nodiscard]] double least_cost_of_relaxations(const TermProblem& problem);
 
 /// The sum as a formula with start values, each gain positive.  Its name holds the circuit:
 /// "elements:L0+R0+(R1|CPE1)+Wo2", see ElementFamily.

@@ -198,6 +198,12 @@ FamilyMembers family_members(const TimeResponseData& data, const NamedModel& mod
   return members;
 }
 
+std::optional<double> least_rms_of_relaxations(const FrequencyResponseData& data, const FitOptions& options) {
+  const TermProblem problem(data, rule_of(data, options));
+  if (passive_kind(problem).response != PassiveResponse::immittance) return std::nullopt;
+  return std::sqrt(least_cost_of_relaxations(problem) / static_cast<double>(problem.rows()));
+}
+
 std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
                                                  RatioGrowths& ratios) {
   const RationalProblem problem(data, rule_of(data, options));

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "frac/identification/model_library.hpp"
@@ -59,6 +60,11 @@ class RatioGrowths;  // see rational_growth.hpp
 /// @param ratios  nothing, or what has grown of the same data and options
 [[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
                                                                const FitOptions& options, RatioGrowths& ratios);
+
+/// The rms that no sum of passive elements without modes comes below, whatever their number, in the unit of
+/// FitResult::rms; nothing where the data are taken for a receptance, whose elements are modes.
+[[nodiscard]] std::optional<double> least_rms_of_relaxations(const FrequencyResponseData& data,
+                                                             const FitOptions& options);
 
 /// The chosen member alone, which knows whether it ends its family.
 [[nodiscard]] FamilyMembers chosen_member(const NamedModel& model, FamilyMembers members);

@@ -11,6 +11,8 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+// Sums that the next term is added to.
+constexpr std::size_t kept = 2;
 // Rows of modes are ratios.
 constexpr std::ptrdiff_t most_modes = 2;
 
@@ -98,7 +100,7 @@ TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
     std::vector<TermFit> refined;
     for (const TermSum& sum : sums) extend(problem, sum, refined);
     const std::vector<TermFit> best = best_sums(
-        std::move(refined), [&](const TermFit& fit) { return term_value(problem, fit); },
+        std::move(refined), kept, [&](const TermFit& fit) { return term_value(problem, fit); },
         [&](const TermFit& grown) {
           TermFit fit = problem.refine(grown.sum, thorough);
           return has_free_order(fit.sum) ? without_idle_parts(problem, std::move(fit)) : fit;

@@ -20,13 +20,14 @@ using TermLadder = GrowthLadder<TermFit>;
 /// schwarz() with the search for places paid for, by price_of_place() or, of modes, price_of_point().
 [[nodiscard]] double term_value(const TermProblem& problem, const TermFit& fit);
 
-/// The best sums that a step of growth has come to, at most two and best first: the best one may have a term where
-/// another one belongs.  Of neighbours of nearly one cost, which are one sum found twice, only one counts.
+/// The best sums that a step of growth has come to, best first: the best one may have a term where another one belongs.
+/// Of neighbours of nearly one cost, which are one sum found twice, only one counts.
+/// @param kept      at most so many
 /// @param value_of  of a fit: the less, the better
 /// @param finished  a fit brought to its end
 template <class Value, class Finish>
-std::vector<TermFit> best_sums(std::vector<TermFit> grown, const Value& value_of, const Finish& finished) {
-  constexpr std::size_t kept = 2;
+std::vector<TermFit> best_sums(std::vector<TermFit> grown, std::size_t kept, const Value& value_of,
+                               const Finish& finished) {
   const auto below = [&](const TermFit& a, const TermFit& b) { return value_of(a) < value_of(b); };
   std::stable_sort(grown.begin(), grown.end(), below);
   std::vector<TermFit> best;

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "base/linear_algebra.hpp"
-#include "frac/cancellation.hpp"
 #include "frac/identification/relaxation_times.hpp"
 #include "frac/identification/validate.hpp"
+#include "nonnegative.hpp"
 #include "peaks.hpp"
 
 namespace frac {
@@ -27,48 +27,6 @@ constexpr double per_decade = 12;
 constexpr double margin = 1.5;        // decades beyond the band
 constexpr double least_noise = 1e-3;  // share of the response
 constexpr double low = 0.025, high = 0.975;
-
-/// The x >= 0 of least x' H x/2 - b' x for a positive definite H, by block principal pivoting (Portugal, Judice,
-/// Vicente 1994).
-/// @param free  which are positive: a guess on entry, the answer on exit
-Eigen::VectorXd nonnegative_minimum(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& b, std::vector<bool>& free) {
-  const Eigen::Index n = b.size();
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  Eigen::Index fewest = n + 1;
-  int patience = 3;
-  // All that are on the wrong side change sides at once; where that stops helping, the last one alone, which ends.
-  for (Eigen::Index step = 0; step < 20 * n; ++step) {
-    throw_if_cancelled();
-    std::vector<Eigen::Index> chosen;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (free[static_cast<std::size_t>(i)]) chosen.push_back(i);
-    x.setZero();
-    if (!chosen.empty()) {
-      const Eigen::MatrixXd part = hessian(chosen, chosen);
-      const Eigen::VectorXd right = b(chosen);
-      const Eigen::VectorXd solved = detail::CholeskyFactor(part).solve(right);
-      x(chosen) = solved;
-    }
-    const Eigen::VectorXd slope = hessian * x - b;
-    const double rounding = 1e-12 * b.cwiseAbs().maxCoeff();
-    std::vector<Eigen::Index> wrong;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (free[static_cast<std::size_t>(i)] ? x(i) < 0 : slope(i) < -rounding) wrong.push_back(i);
-    if (wrong.empty()) break;
-    const auto count = static_cast<Eigen::Index>(wrong.size());
-    if (count < fewest) {
-      fewest = count;
-      patience = 3;
-    } else {
-      --patience;
-    }
-    for (std::size_t k = patience < 0 ? wrong.size() - 1 : 0; k < wrong.size(); ++k) {
-      const auto i = static_cast<std::size_t>(wrong[k]);
-      free[i] = !free[i];
-    }
-  }
-  return x.cwiseMax(0);
-}
 
 /// Weighted rows of a response that is linear in its ends and in the density at each time.
 struct Equations {
@@ -211,7 +169,7 @@ Solution solution(const Equations& of, const Eigen::MatrixXd& normal, Eigen::Mat
   made.smoothness = best_smoothness(of, normal, rough);
   made.hessian = hessian_of(normal, rough, made.smoothness.best);
   made.free.assign(static_cast<std::size_t>(made.hessian.cols()), true);
-  made.x = nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
+  made.x = detail::nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
   return made;
 }
 
@@ -263,8 +221,8 @@ std::vector<Found> drawn_solutions(const Equations& of, const Solution& of_data,
     for (double& each : prior) each = std::sqrt(of_data.smoothness.best) * normal_draw(engine);
     std::vector<bool> guess = of_data.free;
     drawn.push_back(found_of(
-        of, nonnegative_minimum(of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior,
-                                guess)));
+        of, detail::nonnegative_minimum(
+                of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess)));
   }
   return drawn;
 }
@@ -291,8 +249,8 @@ std::vector<Found> solutions_of_other_weights(const Equations& of, const Eigen::
   std::vector<Found> result;
   for (const double smoothness : {of_data.smoothness.least, of_data.smoothness.most}) {
     std::vector<bool> guess = of_data.free;
-    result.push_back(found_of(
-        of, nonnegative_minimum(hessian_of(normal, rough, smoothness), of.columns.transpose() * of.target, guess)));
+    result.push_back(found_of(of, detail::nonnegative_minimum(hessian_of(normal, rough, smoothness),
+                                                              of.columns.transpose() * of.target, guess)));
   }
   return result;
 }
@@ -401,7 +359,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   // The loss of the density by smoothing shows in the loss of its own result: the density found anew
   // from the response of the one that was found.
   std::vector<bool> guess = of_data.free;
-  const Found again = found_of(of, nonnegative_minimum(of_data.hessian, normal * best, guess));
+  const Found again = found_of(of, detail::nonnegative_minimum(of_data.hessian, normal * best, guess));
   for (std::size_t j = 0; j < result.density.size(); ++j) {
     std::vector<double> values;
     for (const auto& each : drawn) values.push_back(each.density[j]);
