@@ -10,58 +10,16 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Misfit that counts as tolerable while places are compared: in shares of |N|, or in sigma.
-constexpr double tolerable_share = 0.03;
-constexpr double tolerable_sigmas = 3;
-
 }  // namespace
 
-std::array<double, 2> SceneData::parts(Complex z) const {
-  switch (component) {
-    case frac::Component::real:
-      return {z.real(), 0};
-    case frac::Component::imaginary:
-      return {z.imag(), 0};
-    default:
-      return {z.real(), z.imag()};
-  }
+SceneVector scene_vector(const Coordinates& theta) {
+  SceneVector result{};
+  std::copy(theta.begin(), theta.end(), result.begin());
+  return result;
 }
 
-double SceneData::size(Complex z) const {
-  const auto [first, second] = parts(z);
-  return std::hypot(first, second);
-}
-
-double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
-  switch (weight) {
-    case frac::Weight::given:
-      return point.sigma;
-    case frac::Weight::relative:
-      // The part not fitted is free to grow: it must not make the other one weigh less.
-      return std::abs(component == frac::Component::both ? model : point.value);
-    default:
-      return 1;
-  }
-}
-
-double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
-  double tolerable = tolerable_share * typical;
-  if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
-  if (weight == frac::Weight::relative) {
-    const bool whole = component == frac::Component::both && model;
-    tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
-  }
-  if (!(tolerable > 0)) return 0;
-  if (model) {
-    const double share = size(*model - point.value) / tolerable;
-    return std::log1p(share * share);
-  }
-  // ln(1 + share^2) is the price of a Cauchy distribution, in one or two dimensions, against its peak.  A value of
-  // which only the size is known is spread evenly over an interval or a disc.
-  const double width = tolerable / std::abs(point.value);
-  const double price = component == frac::Component::both ? -2.0 / 3 * std::log(2 * width * width)
-                                                          : -std::log(0.5 * std::numbers::pi * width);
-  return std::max(price, 0.0);
+Coordinates coordinates(const SceneVector& theta) {
+  return {theta.begin(), theta.end()};
 }
 
 MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const std::array<double, 2>& masses,
@@ -118,7 +76,7 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
   };
   return {point_value(coefficients, point, response.h),
           {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution,
-           scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
+           scale * coefficients.moving * data.time_unit * point.omega * response.by_contact, 0, 0}};
 }
 
 FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scene_solver.hpp"
+#include "scene_model.hpp"
 
 namespace backlash::detail {
 
