@@ -39,29 +39,46 @@ frac::detail::DataScale scale_of(const detail::SceneData& data) {
   return {data.typical, data.typical, data.typical, std::sqrt(low->omega * high->omega), low->omega, high->omega};
 }
 
-std::vector<frac::ParameterConstraint> with_defaults(const frac::Structure& joint,
+double mass_of(const BodiesStructure& structure, std::size_t body, const Values& values) {
+  const TwoMassSystem system = structure.bodies(values).system();
+  return body == 0 ? system.mass1() : system.mass2();
+}
+
+// x of mass ~ parameter^x; 0 of friction and springs.
+double mass_exponent(const BodiesStructure& structure, std::size_t body, const Values& values, std::size_t parameter) {
+  Values doubled = values;
+  doubled[parameter] *= 2;
+  const double exponent = std::log2(mass_of(structure, body, doubled) / mass_of(structure, body, values));
+  return std::abs(exponent) > 1e-9 ? exponent : 0;
+}
+
+std::vector<frac::ParameterConstraint> with_defaults(const BodiesStructure& structure, const frac::Structure& joint,
                                                      std::vector<frac::ParameterConstraint> constraints) {
   const auto limit = [&](const std::string& name, double lower, double upper) {
-    for (frac::ParameterConstraint& each : constraints) {
-      if (each.name != name) continue;
-      if (each.fixed) return;
-      each.lower = std::max(each.lower.value_or(lower), lower);
-      each.upper = std::min(each.upper.value_or(upper), upper);
-      return;
-    }
-    constraints.push_back({name, {}, lower, upper, {}});
+    frac::ParameterConstraint& each = frac::constraint_of(constraints, name);
+    if (each.fixed) return;
+    each.lower = std::max(each.lower.value_or(lower), lower);
+    each.upper = std::min(each.upper.value_or(upper), upper);
   };
   limit("restitution", 0, 1);
-  for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
-    if (joint.parameter_roles()[i] == frac::ParameterRole::order) {
-      limit(joint.parameter_names()[i], 0, largest_order);
-    }
+  const std::vector<std::string>& names = joint.parameter_names();
+  Values values;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (joint.parameter_roles()[i] == frac::ParameterRole::order) limit(names[i], 0, largest_order);
+    const frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
+    values.push_back(each.fixed ? *each.fixed : each.start.value_or(1));
   }
-  // A mass that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
-  for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
-    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient) continue;
-    frac::ParameterConstraint& each = frac::constraint_of(constraints, joint.parameter_names()[i]);
-    if (!each.lower && !each.fixed) each.positive = true;
+  // Friction and springs may vanish, so that they are estimated from 0 on.  Masses and the clearance may not; a mass
+  // that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
+    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient || each.lower || each.fixed) continue;
+    const bool may_vanish = names[i] != "clearance" && mass_exponent(structure, 0, values, i) == 0 &&
+                            mass_exponent(structure, 1, values, i) == 0;
+    if (may_vanish)
+      each.lower = 0;
+    else
+      each.positive = true;
   }
   return constraints;
 }
@@ -84,7 +101,8 @@ class Starts {
          const detail::SceneData& data, std::vector<double> jumps)
       : structure_(structure), joint_(joint), map_(map), data_(data), jumps_(std::move(jumps)) {
     Values theta;
-    for (const ParameterMap::Free& free : map.free()) theta.push_back(std::clamp(0.0, free.lower, free.upper));
+    for (const ParameterMap::Free& free : map.free())
+      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, free.lower, free.upper));
     base_ = map.to_user(theta);
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if (joint.parameter_roles()[i] == frac::ParameterRole::order) base_[i] = 1;
@@ -96,7 +114,7 @@ class Starts {
 
   [[nodiscard]] std::vector<Values> all() const {
     std::vector<Values> starts;
-    for (const detail::SceneVector& scene : scenes()) {
+    for (const detail::Coordinates& scene : scenes()) {
       for (const double share : shares) {
         starts.push_back(map_.to_theta(values(scene, share)));
         if (bodies_[0].others.empty() && bodies_[1].others.empty()) break;
@@ -118,29 +136,23 @@ class Starts {
     return !map_.is_fixed(parameter) && !std::isfinite(map_.start()[parameter]) &&
            joint_.parameter_roles()[parameter] == frac::ParameterRole::coefficient;
   }
-  [[nodiscard]] double mass_of(const Body& body, const Values& values) const {
-    const TwoMassSystem system = structure_.bodies(values).system();
-    return body.number == 0 ? system.mass1() : system.mass2();
-  }
   [[nodiscard]] Body body_of(const frac::Structure& formula, std::size_t number) const {
     Body body{&formula, number, {}, 1, {}};
     for (const std::string& name : formula.parameter_names()) {
       const std::size_t parameter = joint_.parameter_index(name);
       if (!is_open(parameter)) continue;
-      Values doubled = base_;
-      doubled[parameter] *= 2;
-      const double exponent = std::log2(mass_of(body, doubled) / mass_of(body, base_));
-      if (std::abs(exponent) > 1e-9 && !body.mass) {
+      const double exponent = mass_exponent(structure_, number, base_, parameter);
+      if (exponent == 0) {
+        body.others.push_back(parameter);
+      } else if (!body.mass) {
         body.mass = parameter;
         body.exponent = exponent;
-      } else if (std::abs(exponent) <= 1e-9) {
-        body.others.push_back(parameter);
       }
     }
     return body;
   }
 
-  [[nodiscard]] std::vector<detail::SceneVector> scenes() const {
+  [[nodiscard]] std::vector<detail::Coordinates> scenes() const {
     const auto mass = [](const detail::MeasuredPoint& point) {
       return -std::log(std::abs(point.value)) - 2 * std::log(point.omega);
     };
@@ -156,7 +168,7 @@ class Starts {
     bounds.upper = {highest + default_range, highest + default_range, std::log(amplitude) + default_range, 1};
     detail::FixedScene fixed;
     for (const Body& body : bodies_) {
-      if (!body.mass) fixed[body.number] = mass_of(body, base_);
+      if (!body.mass) fixed[body.number] = mass_of(structure_, body.number, base_);
     }
     const std::size_t clearance = base_.size() - 2, restitution = base_.size() - 1;
     if (!is_open(clearance)) fixed[2] = base_[clearance];
@@ -167,7 +179,7 @@ class Starts {
     return scene_starts(data_, bounds, fixed, jumps_, false, grid_places);
   }
 
-  [[nodiscard]] Values values(const detail::SceneVector& scene, double share) const {
+  [[nodiscard]] Values values(const detail::Coordinates& scene, double share) const {
     Values values = base_;
     const std::size_t clearance = base_.size() - 2, restitution = base_.size() - 1;
     if (is_open(clearance)) values[clearance] = std::exp(scene[2]);
@@ -175,7 +187,8 @@ class Starts {
     const double omega = map_.scale().omega;
     for (const Body& body : bodies_) {
       const double wanted = std::exp(scene[body.number]);
-      if (body.mass) values[*body.mass] *= std::pow(wanted / mass_of(body, values), 1 / body.exponent);
+      if (body.mass)
+        values[*body.mass] *= std::pow(wanted / mass_of(structure_, body.number, values), 1 / body.exponent);
       for (const std::size_t other : body.others) {
         const auto stiffness = [&](double factor) {
           Values scaled = values;
@@ -184,7 +197,7 @@ class Starts {
           return 1.0 / (body.number == 0 ? bodies.load() : bodies.drive()).response(omega);
         };
         const double rise = 2 * std::abs(stiffness(1) - stiffness(0.5));
-        if (rise > 0) values[other] *= share * mass_of(body, values) * omega * omega / rise;
+        if (rise > 0) values[other] *= share * mass_of(structure_, body.number, values) * omega * omega / rise;
       }
     }
     return values;
@@ -254,7 +267,7 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
         "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
   const detail::SceneData data = detail::scene_data(curves, options, detail::LoadAtRest::kept);
   const frac::Structure joint = detail::joint_structure(structure);
-  const ParameterMap map(joint, with_defaults(joint, options.constraints), scale_of(data));
+  const ParameterMap map(joint, with_defaults(structure, joint, options.constraints), scale_of(data));
   detail::require_residuals(data, map.free().size());
   const Starts starts(structure, joint, map, data, detail::products_from_jumps(curves));
   const detail::SceneData few = detail::thinned(data, scouting_points);

@@ -70,7 +70,7 @@ class BodiesMotions final : public SceneMotions {
     return {most_rounds, most_iterations, 0, near_step};
   }
 
-  void choose(const Coordinates& theta, int, std::vector<PointChoice>& choices) override {
+  void choose(const Coordinates& theta, int, PointChoices& choices) override {
     std::fill(choices.begin(), choices.end(), PointChoice{});
     const std::optional<OrbitModel> model = model_at(theta);
     for (std::size_t i = 0; i < choices.size() && model; ++i) {
@@ -81,9 +81,7 @@ class BodiesMotions final : public SceneMotions {
     }
   }
 
-  [[nodiscard]] std::vector<std::optional<Complex>> values(const Coordinates& theta,
-                                                           const std::vector<PointChoice>& choices,
-                                                           bool all) const override {
+  [[nodiscard]] PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const override {
     const std::optional<OrbitModel> model = model_at(theta);
     return of_used(choices, all, [&](std::size_t i) -> std::optional<Complex> {
       if (!model) return std::nullopt;
@@ -94,8 +92,7 @@ class BodiesMotions final : public SceneMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<PointGradient>> gradients(
-      const Coordinates& theta, const std::vector<PointChoice>& choices) const override {
+  [[nodiscard]] PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const override {
     const auto here = values(theta, choices, true);
     auto result = of_used(choices, true, [&](std::size_t i) -> std::optional<PointGradient> {
       if (!here[i]) return std::nullopt;
@@ -170,6 +167,13 @@ std::shared_ptr<SceneMotions> Bodies::motions(Effort effort, Motions) const {
 bool Bodies::agree(const Coordinates& one, const Coordinates& other, double within) const {
   return std::equal(one.begin(), one.end(), other.begin(),
                     [&](double a, double b) { return std::abs(a - b) < within; });
+}
+
+bool Bodies::is_ideal(std::size_t k) const {
+  const auto& free = map_.free()[k];
+  const std::string& name = joint_.parameter_names()[free.parameter];
+  return free.role == frac::ParameterRole::coefficient && free.least == 0 && !free.logarithmic && name != "clearance" &&
+         name != "restitution";
 }
 
 std::string Bodies::coordinate_name(std::size_t k) const {

@@ -27,6 +27,8 @@ class Bodies final : public SceneFamily {
   /// Fewer residuals than twice the parameters can be met by nearly anything.
   [[nodiscard]] std::size_t least_residuals() const override { return 2 * free_count(); }
   [[nodiscard]] bool agree(const Coordinates& one, const Coordinates& other, double within) const override;
+  /// Without friction or a spring.
+  [[nodiscard]] bool is_ideal(std::size_t k) const override;
   [[nodiscard]] std::string coordinate_name(std::size_t k) const override;
   [[nodiscard]] std::vector<Quantity> parameters(const Coordinates& theta) const override;
   [[nodiscard]] std::size_t parameter_of(std::size_t k) const override { return map_.free()[k].parameter; }

@@ -197,7 +197,7 @@ std::string FreeMasses::coordinate_name(std::size_t k) const {
 }
 
 std::vector<Quantity> FreeMasses::parameters(const Coordinates& theta) const {
-  const SceneVector unit = {1, 1, 1, 1, data().time_unit, data().force_unit, data().force_unit};
+  const Coordinates unit = {1, 1, 1, 1, data().time_unit, data().force_unit, data().force_unit};
   std::vector<Quantity> result;
   for (std::size_t k = 0; k < scene_size; ++k) {
     // A fixed value is given back as it was, not through its logarithm.

@@ -50,8 +50,8 @@ class FreeMotions : public SceneMotions {
 
   [[nodiscard]] double accuracy() const override { return is_settling() ? SceneMotions::accuracy() : table_accuracy; }
 
-  [[nodiscard]] std::vector<SettledMotion> settled(const Coordinates& at, const MeasuredPoint& point) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] std::vector<SettledMotion> settled(const Coordinates& theta,
+                                                   const MeasuredPoint& point) const override {
     // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their angle.
     // So does that of masses with friction, by about its share of the force.
     const double angle = contact_angle(theta, data_, point) +
@@ -67,7 +67,7 @@ class FreeMotions : public SceneMotions {
  protected:
   /// A scene, and what the choice of motions is to know of it.
   struct Scene {
-    SceneVector theta;
+    Coordinates theta;
     OutputCoefficients coefficients;
     double orbit_end;  // gamma up to which the orbit of two impacts is stable
     double limit;      // gamma up to which it counts
@@ -78,8 +78,7 @@ class FreeMotions : public SceneMotions {
 
   /// @param find  offers the motions of a point to its choice; is_used tells whether it was used before
   template <typename Find>
-  void choose_each(const Coordinates& at, int round, std::vector<PointChoice>& choices, const Find& find) const {
-    const SceneVector theta = scene_vector(at);
+  void choose_each(const Coordinates& theta, int round, PointChoices& choices, const Find& find) const {
     const double orbit_end = two_impact_end(theta[3]);
     const bool counts_beyond = effort_ == Effort::glance && round < rounds_beyond_loss;
     const Scene scene{theta, output_coefficients(theta, data_.output), orbit_end,
@@ -135,7 +134,7 @@ class HardMotions final : public FreeMotions {
     return {most_rounds, most_iterations, rounds_beyond_loss};
   }
 
-  void choose(const Coordinates& theta, int round, std::vector<PointChoice>& choices) override {
+  void choose(const Coordinates& theta, int round, PointChoices& choices) override {
     choose_each(theta, round, choices, [&](const Scene& scene, std::size_t i, bool, PointChoice& choice) {
       const double gamma = gamma_at(scene.theta, data_.points[i]);
       const int harmonic = data_.points[i].harmonic;
@@ -149,10 +148,7 @@ class HardMotions final : public FreeMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<Complex>> values(const Coordinates& at,
-                                                           const std::vector<PointChoice>& choices,
-                                                           bool all) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const override {
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     return of_used(choices, all, [&](std::size_t i) -> std::optional<Complex> {
       const auto h = h_of(theta, i, choices[i].kind);
@@ -161,9 +157,7 @@ class HardMotions final : public FreeMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<PointGradient>> gradients(
-      const Coordinates& at, const std::vector<PointChoice>& choices) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const override {
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     return of_used(choices, true, [&](std::size_t i) -> std::optional<PointGradient> {
       const auto response = response_of(theta, i, choices[i].kind);
@@ -176,8 +170,7 @@ class HardMotions final : public FreeMotions {
                               const PointChoice& choice) const override {
     switch (choice.kind) {
       case Kind::two_impact:
-        return gamma_at(scene_vector(theta), point) <= symmetry_breaking_gamma(theta[3]) ? Regime::symmetric
-                                                                                         : Regime::periodic;
+        return gamma_at(theta, point) <= symmetry_breaking_gamma(theta[3]) ? Regime::symmetric : Regime::periodic;
       case Kind::sticking:
         return theta[3] > 0 ? Regime::chatter : Regime::periodic;
       case Kind::free:
@@ -197,7 +190,7 @@ class HardMotions final : public FreeMotions {
     return response ? std::optional<Complex>(response->h) : std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Complex> h_of(const SceneVector& theta, std::size_t i, Kind kind) const {
+  [[nodiscard]] std::optional<Complex> h_of(const Coordinates& theta, std::size_t i, Kind kind) const {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta, point);
     if (kind == Kind::two_impact) {
@@ -210,7 +203,7 @@ class HardMotions final : public FreeMotions {
     return sticking(gamma, theta[3], point.harmonic);
   }
 
-  [[nodiscard]] std::optional<GapResponse> response_of(const SceneVector& theta, std::size_t i, Kind kind) const {
+  [[nodiscard]] std::optional<GapResponse> response_of(const Coordinates& theta, std::size_t i, Kind kind) const {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta, point);
     if (kind == Kind::two_impact) return two_impact_response(gamma, theta[3], point.harmonic);
@@ -230,7 +223,7 @@ class CompliantMotions final : public FreeMotions {
     return {most_rounds_with_contacts, most_iterations_with_contacts, 0, near_step, true};
   }
 
-  void choose(const Coordinates& theta, int round, std::vector<PointChoice>& choices) override {
+  void choose(const Coordinates& theta, int round, PointChoices& choices) override {
     const ContactMotions motions(theta[3], data_.harmonics);
     choose_each(theta, round, choices, [&](const Scene& scene, std::size_t i, bool, PointChoice& choice) {
       const MeasuredPoint& point = data_.points[i];
@@ -248,10 +241,7 @@ class CompliantMotions final : public FreeMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<Complex>> values(const Coordinates& at,
-                                                           const std::vector<PointChoice>& choices,
-                                                           bool all) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const override {
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     const ContactMotions contact(theta[3], data_.harmonics);
     std::vector<FoundMotions> found = found_;
@@ -266,9 +256,7 @@ class CompliantMotions final : public FreeMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<PointGradient>> gradients(
-      const Coordinates& at, const std::vector<PointChoice>& choices) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const override {
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     const ContactResponses contact(theta[3], data_.harmonics);
     // Of motions, the symmetric and the followed one.
@@ -293,8 +281,7 @@ class CompliantMotions final : public FreeMotions {
     if (choice.kind == Kind::two_impact) return Regime::symmetric;
     if (choice.kind == Kind::none) return Regime::averaged;
     // At contact time 0 what sticks, and the asymmetric orbit of two impacts.
-    const bool sticks =
-        theta[4] == 0 && theta[3] > 0 && gamma_at(scene_vector(theta), point) > two_impact_loss(theta[3]).gamma;
+    const bool sticks = theta[4] == 0 && theta[3] > 0 && gamma_at(theta, point) > two_impact_loss(theta[3]).gamma;
     return sticks ? Regime::chatter : Regime::periodic;
   }
 
@@ -324,7 +311,7 @@ class RubbingMotions final : public FreeMotions {
 
   // The orbit found last and, where that has ended or does not explain the point, those that the symmetric one without
   // friction and contact at rest lead to.
-  void choose(const Coordinates& theta, int round, std::vector<PointChoice>& choices) override {
+  void choose(const Coordinates& theta, int round, PointChoices& choices) override {
     choose_each(theta, round, choices, [&](const Scene& scene, std::size_t i, bool is_explained, PointChoice& choice) {
       const MeasuredPoint& point = data_.points[i];
       const FrictionGroups groups = friction_groups(scene.theta, data_, point);
@@ -351,10 +338,7 @@ class RubbingMotions final : public FreeMotions {
     return true;
   }
 
-  [[nodiscard]] std::vector<std::optional<Complex>> values(const Coordinates& at,
-                                                           const std::vector<PointChoice>& choices,
-                                                           bool all) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const override {
     return of_used(choices, all, [&](std::size_t i) -> std::optional<Complex> {
       const MeasuredPoint& point = data_.points[i];
       FoundOrbit found = found_[i];
@@ -365,9 +349,7 @@ class RubbingMotions final : public FreeMotions {
     });
   }
 
-  [[nodiscard]] std::vector<std::optional<PointGradient>> gradients(
-      const Coordinates& at, const std::vector<PointChoice>& choices) const override {
-    const SceneVector theta = scene_vector(at);
+  [[nodiscard]] PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const override {
     return of_used(choices, true, [&](std::size_t i) -> std::optional<PointGradient> {
       const MeasuredPoint& point = data_.points[i];
       const auto response =

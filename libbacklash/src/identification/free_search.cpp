@@ -28,12 +28,6 @@ constexpr std::size_t starts_of_contact_time = 12;
 constexpr std::size_t longer_pursued = 2;
 constexpr std::size_t rubbing_pursued = 4;
 
-std::vector<Coordinates> all_coordinates(const std::vector<SceneVector>& scenes) {
-  std::vector<Coordinates> result;
-  for (const SceneVector& scene : scenes) result.push_back(coordinates(scene));
-  return result;
-}
-
 // What a search of fewer parameters holds at 0 may have other limits.
 std::vector<Coordinates> within(const SceneBounds& bounds, std::vector<Coordinates> places) {
   for (Coordinates& place : places)
@@ -90,13 +84,13 @@ double evidence_over(const LocalScene& narrow, LocalScene wide, const FreeMasses
 // The places at which orbits of two longer contacts, in closed form, explain the data best.
 std::vector<Coordinates> longer_contacts(const SceneData& data, const KnownScene& known, const SceneSearcher& searcher,
                                          const std::vector<Coordinates>& beside) {
-  std::vector<SceneVector> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
+  std::vector<Coordinates> places = law_starts(data, known.bounds, known.fixed, starts_of_contact_time);
   if (places.empty()) places = scene_starts(data, known.bounds, known.fixed, {}, false, starts_of_contact_time);
   std::vector<Coordinates> starts;
   for (const double time : contact_times) {
-    for (SceneVector place : places) {
+    for (Coordinates place : places) {
       place[4] = std::clamp(time, known.bounds.lower[4], known.bounds.upper[4]);
-      starts.push_back(coordinates(place));
+      starts.push_back(place);
     }
   }
   starts.insert(starts.end(), beside.begin(), beside.end());
@@ -110,9 +104,9 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
   const FreeMasses family(data, known);
   SceneSearcher searcher(family, threads);
   const auto starts_of = [&](bool rate_irregular, std::size_t count) {
-    return all_coordinates(scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, count));
+    return scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, count);
   };
-  std::vector<Coordinates> regular = all_coordinates(law_starts(data, known.bounds, known.fixed, regular_starts));
+  std::vector<Coordinates> regular = law_starts(data, known.bounds, known.fixed, regular_starts);
   if (regular.empty()) regular = starts_of(false, regular_starts);
   searcher.glance(given_start(known, regular));
   searcher.glance(regular);
@@ -158,7 +152,7 @@ WiderSearch search_friction(const SceneData& data, const KnownScene& known, cons
   SceneSearcher searcher(family, threads);
   std::vector<LocalScene> settled;
   searcher.settle_too(places_of(searcher, without, known.bounds), settled);
-  const auto rubbing = all_coordinates(rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued));
+  const auto rubbing = rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued);
   searcher.settle_too(within(known.bounds, rubbing), settled);
   WiderSearch result{searcher.best_of(settled, rival_deviance), std::numeric_limits<double>::infinity()};
   result.scenes.starts += without.starts;

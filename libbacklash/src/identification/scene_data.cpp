@@ -56,6 +56,11 @@ double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
   }
 }
 
+double SceneData::rounding_variance() const {
+  constexpr double share = 1e-7;  // of the data
+  return share * typical_misfit * (share * typical_misfit);
+}
+
 double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
   double tolerable = tolerable_share * typical;
   if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;

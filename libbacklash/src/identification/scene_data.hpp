@@ -11,6 +11,9 @@
 
 namespace backlash::detail {
 
+/// Standard deviations that chance exceeds on one side once in a thousand.
+constexpr double significant = 3.09;
+
 struct MeasuredPoint {
   std::size_t curve, index;
   double force, omega;
@@ -40,6 +43,8 @@ struct SceneData {
   [[nodiscard]] double size(std::complex<double> z) const;
   /// Standard deviation, up to a common factor, of a point at which the model has this value.
   [[nodiscard]] double deviation(const MeasuredPoint& point, std::complex<double> model) const;
+  /// Of residuals over their deviations: below it they are rounding errors, which may be correlated and mean nothing.
+  [[nodiscard]] double rounding_variance() const;
   /// ln(1 + (misfit/(tolerable misfit))^2): rates places that fit only part of the data.  `model` empty: no steady
   /// motion, at the price of a value of which only the size is known.
   [[nodiscard]] double robust_cost(const MeasuredPoint& point, std::optional<std::complex<double>> model) const;

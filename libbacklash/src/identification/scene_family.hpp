@@ -57,6 +57,11 @@ struct PointGradient {
   std::vector<std::complex<double>> gradient;
 };
 
+/// Of each point, empty where there is none.
+using PointValues = std::vector<std::optional<std::complex<double>>>;
+using PointGradients = std::vector<std::optional<PointGradient>>;
+using PointChoices = std::vector<PointChoice>;
+
 /// What a scene settles on at a point, as simulations from a dozen starts tell.
 struct SettledMotion {
   std::complex<double> value;
@@ -78,17 +83,14 @@ class SceneMotions {
   /// Finds the motion of each point that lies nearest; the scene may have none.
   /// @param round    of the search, from 0 on
   /// @param choices  as the last round left them
-  virtual void choose(const Coordinates& theta, int round, std::vector<PointChoice>& choices) = 0;
+  virtual void choose(const Coordinates& theta, int round, PointChoices& choices) = 0;
   /// Lets choose() look again for motions that it has given up on the way.  False where it gives up none.
   virtual bool look_again() { return false; }
 
   /// N of the points that are used, each by its motion; empty where that has ended, and at points that are not used.
   /// @param all  else the points after the first that has ended are not looked at
-  [[nodiscard]] virtual std::vector<std::optional<std::complex<double>>> values(const Coordinates& theta,
-                                                                                const std::vector<PointChoice>& choices,
-                                                                                bool all) const = 0;
-  [[nodiscard]] virtual std::vector<std::optional<PointGradient>> gradients(
-      const Coordinates& theta, const std::vector<PointChoice>& choices) const = 0;
+  [[nodiscard]] virtual PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const = 0;
+  [[nodiscard]] virtual PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const = 0;
 
   [[nodiscard]] virtual Regime regime(const Coordinates& theta, const MeasuredPoint& point,
                                       const PointChoice& choice) const = 0;
@@ -104,7 +106,7 @@ class SceneMotions {
 /// A value of each point that is used, from value_of(point), empty where that is, and at points that are not used.
 /// @param all  else the points after the first one without a value are not looked at
 template <typename ValueOf>
-auto of_used(const std::vector<PointChoice>& choices, bool all, const ValueOf& value_of) {
+auto of_used(const PointChoices& choices, bool all, const ValueOf& value_of) {
   std::vector<decltype(value_of(0))> values(choices.size());
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (!choices[i].used) continue;

@@ -22,8 +22,6 @@ constexpr frac::detail::Spellings<ContactModel, 3> contact_spellings = {
     {{ContactModel::hard, "hard"}, {ContactModel::compliant, "compliant"}, {ContactModel::automatic, "auto"}}};
 constexpr frac::detail::Spellings<FrictionModel, 3> friction_spellings = {
     {{FrictionModel::none, "none"}, {FrictionModel::automatic, "auto"}, {FrictionModel::estimate, "estimate"}}};
-// Standard deviations that chance exceeds on one side once in a thousand.
-constexpr double significant_contact = 3.09;
 // Twice the logarithm of a likelihood ratio that chance exceeds once in a thousand where two parameters may rise from
 // 0: it is 0 with probability 1/4, chi squared of one degree with 1/2 and of two with 1/4.
 constexpr double significant_friction = 11.8;
@@ -248,7 +246,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       // A likelihood ratio alone may come from points that one of the two leaves out.
       const SceneEstimate& time = estimates.contact.front();
       const bool is_told =
-          contact_evidence > significant_contact * significant_contact && (time.fixed || time.ci95_lower > 0);
+          contact_evidence > detail::significant * detail::significant && (time.fixed || time.ci95_lower > 0);
       result.contact_verdict = is_told ? ContactVerdict::compliant : ContactVerdict::undecided;
     }
     // At a limit of one parameter the intervals of the others hold for a scene that has it there.

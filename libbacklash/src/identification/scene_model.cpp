@@ -12,16 +12,6 @@ using Complex = std::complex<double>;
 
 }  // namespace
 
-SceneVector scene_vector(const Coordinates& theta) {
-  SceneVector result{};
-  std::copy(theta.begin(), theta.end(), result.begin());
-  return result;
-}
-
-Coordinates coordinates(const SceneVector& theta) {
-  return {theta.begin(), theta.end()};
-}
-
 MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const std::array<double, 2>& masses,
                                const std::array<double, 2>& friction) {
   if (friction[0] == 0 && friction[1] == 0) return point;
@@ -44,7 +34,7 @@ MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const 
   return result;
 }
 
-OutputCoefficients output_coefficients(const SceneVector& theta, Output output) {
+OutputCoefficients output_coefficients(const Coordinates& theta, Output output) {
   const double mass1 = std::exp(theta[0]);
   const double mass2 = std::exp(theta[1]);
   const double total = mass1 + mass2;
@@ -53,7 +43,7 @@ OutputCoefficients output_coefficients(const SceneVector& theta, Output output) 
   return {-1 / mass2, moving, {0, 1 / mass2}, {moving * mass2 / total, -moving * (1 + mass2 / total)}};
 }
 
-double gamma_at(const SceneVector& theta, const MeasuredPoint& point) {
+double gamma_at(const Coordinates& theta, const MeasuredPoint& point) {
   return std::exp(std::log(point.force) - theta[1] - theta[2] - 2 * std::log(point.omega));
 }
 
@@ -62,7 +52,7 @@ Complex point_value(const OutputCoefficients& coefficients, const MeasuredPoint&
   return (rigid + coefficients.moving * h) / (point.omega * point.omega);
 }
 
-double contact_angle(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+double contact_angle(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point) {
   return theta[4] * data.time_unit * point.omega;
 }
 
@@ -79,7 +69,7 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
            scale * coefficients.moving * data.time_unit * point.omega * response.by_contact, 0, 0}};
 }
 
-FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+FrictionGroups friction_groups(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point) {
   const double scale = data.force_unit / point.force;
   return {gamma_at(theta, point),
           contact_angle(theta, data, point),
@@ -88,12 +78,12 @@ FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, 
           {theta[first_friction] * scale, theta[first_friction + 1] * scale}};
 }
 
-Complex friction_value(const SceneVector& theta, const MeasuredPoint& point, Complex n) {
+Complex friction_value(const Coordinates& theta, const MeasuredPoint& point, Complex n) {
   const double inverse_mass = std::exp(-theta[0]) + std::exp(-theta[1]);
   return n * inverse_mass / (point.omega * point.omega);
 }
 
-PointGradient friction_gradient(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point,
+PointGradient friction_gradient(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point,
                                 const FrictionResponse& response) {
   const double scale = data.force_unit / point.force, share = 1 / (1 + std::exp(theta[0] - theta[1]));
   const auto value = [&](Complex n) { return friction_value(theta, point, n); };

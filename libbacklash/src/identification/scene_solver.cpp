@@ -19,7 +19,7 @@ struct Evaluation {
 
 // deviation: of each point; null: that of the model at theta
 NormalEquations products(const SceneData& data, const SceneMotions& motions, const Coordinates& theta,
-                         const std::vector<PointChoice>& choices, const std::vector<double>* deviation) {
+                         const PointChoices& choices, const std::vector<double>* deviation) {
   const auto size = static_cast<Eigen::Index>(theta.size());
   NormalEquations result{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0, 0, {}};
   const auto gradients = motions.gradients(theta, choices);
@@ -58,7 +58,7 @@ class Solver {
     LocalScene result;
     theta_ = start;
     for (int round = 0; round < pace_.rounds; ++round) {
-      const std::vector<PointChoice> before = choices_;
+      const PointChoices before = choices_;
       choose(round);
       if (count_used() * data_.residuals_per_point() < family_.least_residuals()) break;
       if (round > pace_.rounds_that_differ && settled(before) && moved_ < pace_.last_step &&
@@ -82,7 +82,7 @@ class Solver {
     return static_cast<std::size_t>(
         std::count_if(choices_.begin(), choices_.end(), [](const PointChoice& choice) { return choice.used; }));
   }
-  [[nodiscard]] bool settled(const std::vector<PointChoice>& before) const {
+  [[nodiscard]] bool settled(const PointChoices& before) const {
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       if (choices_[i].used != before[i].used) return false;
       if (choices_[i].used && choices_[i].kind != before[i].kind) return false;
@@ -93,7 +93,7 @@ class Solver {
   // Motions that were given up on the way may exist at its end.
   bool finds_more_motions(int round) {
     if (!motions_->look_again()) return false;
-    const std::vector<PointChoice> before = choices_;
+    const PointChoices before = choices_;
     choose(round);
     return !settled(before);
   }
@@ -138,7 +138,7 @@ class Solver {
   const SceneData& data_;
   std::shared_ptr<SceneMotions> motions_;
   Pace pace_;
-  std::vector<PointChoice> choices_;
+  PointChoices choices_;
   Coordinates theta_;
   double moved_ = 0;
   bool least_squares_converged_ = false;

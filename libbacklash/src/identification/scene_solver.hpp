@@ -29,7 +29,7 @@ struct NormalEquations {
 
 struct LocalScene {
   Coordinates theta;
-  std::vector<PointChoice> choices;
+  PointChoices choices;
   std::shared_ptr<const SceneMotions> motions;
   double deviance = 0;  // see scene_evidence
   bool converged = false;

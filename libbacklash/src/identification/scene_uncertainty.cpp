@@ -23,11 +23,6 @@ constexpr double free_share = 0.01;
 // The residuals do not see a parameter whose column is this much shorter than the longest.
 constexpr double unseen_column = 1e-10;
 
-// Standard deviations that chance exceeds on one side once in a thousand.
-constexpr double significant_pull = 3.09;
-// Residuals below this share of the data are rounding errors, and pull without meaning.
-constexpr double rounding_share = 1e-7;
-
 Eigen::Map<const Eigen::VectorXd> gradient_of(const Quantity& quantity) {
   return {quantity.gradient.data(), static_cast<Eigen::Index>(quantity.gradient.size())};
 }
@@ -163,8 +158,7 @@ double SceneUncertainty::pull(std::size_t at_limit) const {
   }
   const double own = products(limit, limit);
   const double left = own - coupling.dot(frac::detail::solve_symmetric(matrix, coupling));
-  const double rounding = rounding_share * family_.data().typical_misfit;
-  const double variance = std::max(variance_, rounding * rounding);
+  const double variance = std::max(variance_, family_.data().rounding_variance());
   return left > 1e-12 * own ? std::abs(equations_.gradient[limit]) / std::sqrt(left * variance) : 0;
 }
 
@@ -172,7 +166,7 @@ std::vector<std::string> SceneUncertainty::strained() const {
   std::vector<std::string> sentences;
   const std::vector<Quantity> parameters = family_.parameters(theta_);
   for (std::size_t k = 0; k < theta_.size(); ++k) {
-    if (!at_bound_[k] || !(pull(k) > significant_pull)) continue;
+    if (!at_bound_[k] || !(pull(k) > significant)) continue;
     const Quantity& pulled = parameters[family_.parameter_of(k)];
     sentences.push_back("The data pull " + pulled.name + " beyond its limit " + short_text(pulled.value) + ".");
   }
