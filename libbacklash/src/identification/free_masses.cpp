@@ -55,8 +55,7 @@ std::vector<SceneEstimate> contact_estimates(const SceneUncertainty& uncertainty
                                              SceneEstimate restitution) {
   constexpr double difference = 1e-6;
   const double mass1 = of[0].value, mass2 = of[1].value, mass = mass1 / (mass1 + mass2) * mass2;
-  SceneEstimate time = uncertainty.estimate(of[4]);
-  time.ci95_lower = std::max(time.ci95_lower, 0.0);
+  const SceneEstimate time = uncertainty.estimate(of[4]);
   restitution.name = "contact_restitution";
   const auto inverse_roots = [&](double of_restitution) {
     const ContactShape shape = contact_shape(of_restitution);
@@ -202,7 +201,7 @@ std::vector<Quantity> FreeMasses::parameters(const Coordinates& theta) const {
   for (std::size_t k = 0; k < scene_size; ++k) {
     // A fixed value is given back as it was, not through its logarithm.
     const double value = k < fixed_.size() && fixed_[k] ? *fixed_[k] : k < 3 ? std::exp(theta[k]) : theta[k] * unit[k];
-    result.push_back({std::string(scene_names[k]), units[k], value, std::vector<double>(scene_size)});
+    result.push_back({std::string(scene_names[k]), units[k], value, std::vector<double>(scene_size), k >= 4});
     result.back().gradient[k] = k < 3 ? value : unit[k];
   }
   return result;
@@ -217,12 +216,8 @@ std::vector<SceneEstimate> FreeMasses::estimates(const SceneUncertainty& uncerta
     const auto contact = contact_estimates(uncertainty, of, result[3]);
     result.insert(result.end(), contact.begin(), contact.end());
   }
-  for (std::size_t k = first_friction; k < scene_size && has_friction(bounds()); ++k) {
-    SceneEstimate friction = uncertainty.estimate(of[k]);
-    friction.ci95_lower = std::max(friction.ci95_lower, 0.0);
-    friction.identified = friction.fixed || is_narrow(friction);
-    result.push_back(friction);
-  }
+  for (std::size_t k = first_friction; k < scene_size && has_friction(bounds()); ++k)
+    result.push_back(uncertainty.estimate(of[k]));
   return result;
 }
 

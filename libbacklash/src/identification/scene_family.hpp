@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene_data.hpp"
@@ -121,6 +122,7 @@ struct Quantity {
   std::string name, unit;
   double value;
   std::vector<double> gradient;
+  bool from_zero = false;  // no less than 0, where its interval ends
 };
 
 class SceneUncertainty;

@@ -236,6 +236,7 @@ SceneEstimate SceneUncertainty::estimate(const Quantity& quantity) const {
   } else if (result.at_bound) {
     result.standard_error = result.ci95_lower = result.ci95_upper = nan;
   }
+  if (quantity.from_zero) result.ci95_lower = std::max(result.ci95_lower, 0.0);
   result.identified = result.fixed || is_narrow(result);
   return result;
 }
