@@ -101,9 +101,10 @@ class Starts {
          const detail::SceneData& data, std::vector<double> jumps)
       : structure_(structure), joint_(joint), map_(map), data_(data), jumps_(std::move(jumps)) {
     Values theta;
+    // In their natural units, away from the limits.
     for (const ParameterMap::Free& free : map.free())
-      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, free.lower, free.upper));
-    base_ = map.to_user(theta);
+      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, free.lower, 0.5 * (free.lower + free.upper)));
+    base_ = detail::values_at(map, theta);
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if (joint.parameter_roles()[i] == frac::ParameterRole::order) base_[i] = 1;
       if (std::isfinite(map.start()[i])) base_[i] = map.start()[i];
@@ -284,7 +285,7 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
     detail::fill_in(answer, found, result);
     result.parameters = answer.estimates;
     result.covariance = answer.covariance;
-    result.bodies = structure.bodies(map.to_user(found.best.theta));
+    result.bodies = structure.bodies(detail::values_at(map, found.best.theta));
     detail::MessageParts parts;
     if (answer.points_used < answer.points.size())
       parts.of_family = " Points are compared with the symmetric orbit of two impacts alone.";

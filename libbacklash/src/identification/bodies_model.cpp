@@ -127,7 +127,7 @@ class BodiesMotions final : public SceneMotions {
   // Empty where an order leaves no mass, or poles could not be counted.
   [[nodiscard]] std::optional<OrbitModel> model_at(const Coordinates& theta) const {
     try {
-      return OrbitModel(structure_.bodies(map_.to_user(theta)), data_.output);
+      return OrbitModel(structure_.bodies(values_at(map_, theta)), data_.output);
     } catch (const std::invalid_argument&) {
       return std::nullopt;
     }
@@ -156,6 +156,12 @@ frac::Structure joint_structure(const BodiesStructure& structure) {
                          ") + clearance) (1 + restitution)");
 }
 
+std::vector<double> values_at(const frac::detail::ParameterMap& map, const Coordinates& theta) {
+  std::vector<double> values = map.to_user(theta);
+  values.back() = std::min(values.back(), 1.0);
+  return values;
+}
+
 Bodies::Bodies(const BodiesStructure& structure, const SceneData& data, const frac::Structure& joint,
                const frac::detail::ParameterMap& map)
     : SceneFamily(data, bounds_of(map)), structure_(structure), joint_(joint), map_(map) {}
@@ -181,7 +187,7 @@ std::string Bodies::coordinate_name(std::size_t k) const {
 }
 
 std::vector<Quantity> Bodies::parameters(const Coordinates& theta) const {
-  const std::vector<double> values = map_.to_user(theta);
+  const std::vector<double> values = values_at(map_, theta);
   std::vector<Quantity> result;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool is_clearance = i + 2 == values.size(), is_restitution = i + 1 == values.size();

@@ -15,6 +15,9 @@ namespace backlash::detail {
 /// All parameters of two bodies as one formula, which knows their roles and dimensions.
 [[nodiscard]] frac::Structure joint_structure(const BodiesStructure& structure);
 
+/// Parameters at coordinates; rounding does not leave the restitution above 1.
+[[nodiscard]] std::vector<double> values_at(const frac::detail::ParameterMap& map, const Coordinates& theta);
+
 /// Two bodies whose receptances are formulas, in the coordinates of the map of the joint formula: those that are free.
 /// A point is compared with the symmetric orbit of two impacts, and one of the drive with its motion without impacts.
 class Bodies final : public SceneFamily {
