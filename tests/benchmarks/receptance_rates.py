@@ -44,11 +44,10 @@ def measured(arguments, draw, folder):
              "sweep-up", "--format", "csv", "--quiet"], capture_output=True, text=True, check=True).stdout
         head = [line for line in exact.splitlines() if line.startswith("#")]
         rows = list(csv.DictReader(line for line in exact.splitlines() if not line.startswith("#")))
-        real, imaginary = (next(name for name in rows[0] if name.startswith(part)) for part in ("real", "imag"))
         for row in rows:
-            value = complex(float(row[real]), float(row[imaginary]))
+            value = complex(float(row["re_m_per_n"]), float(row["im_m_per_n"]))
             value += 0.01 * abs(value) * complex(draw.gauss(0, 1), draw.gauss(0, 1))
-            row[real], row[imaginary] = repr(value.real), repr(value.imag)
+            row["re_m_per_n"], row["im_m_per_n"] = repr(value.real), repr(value.imag)
         files.append(folder / f"{force}.csv")
         lines = [",".join(rows[0])] + [",".join(row.values()) for row in rows]
         files[-1].write_text("\n".join(head + lines) + "\n")
@@ -68,9 +67,10 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             files, truth, options = measured(arguments, draw, pathlib.Path(folder))
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+            # Exit code 1 says that the search did not converge, as the result does.
             result = json.loads(subprocess.run(
                 [arguments.program, "identify-scene", *files, *options, "--load-receptance", "1/(m1 s^2 + b1 s)",
-                 "--format", "json", "--quiet", "--threads", "1"], capture_output=True, text=True, check=True).stdout)
+                 "--format", "json", "--quiet", "--threads", "1"], capture_output=True, text=True, check=False).stdout)
             seconds += resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
         stated = [each for each in result["parameters"] if each["identified"]]
         held = [each["ci95"][0] <= truth[each["name"]] <= each["ci95"][1] for each in stated]

@@ -2,9 +2,11 @@
 #include "backlash/identification/bodies_identification.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "bodies_model.hpp"

@@ -42,12 +42,12 @@ class OrbitModel {
   [[nodiscard]] bool moves_freely(const MeasuredPoint& point) const {
     return output_ == Output::x2 && point.force * std::abs(free_value(point)) < 0.5 * bodies_.system().clearance();
   }
-  // Enough to compare places.
+  // That is enough to compare places.
   [[nodiscard]] bool has_orbit(const MeasuredPoint& point) const {
     const ForcedOrbits orbits(bodies_, response_, point.omega);
     return point.force >= orbits.least_force() && orbits.at(point.force, true).impulse > 0;
   }
-  // One that bodies follow: it stays off the walls and is stable.
+  // Bodies follow the orbit: it stays off the walls and is stable.
   [[nodiscard]] bool has_motion(const MeasuredPoint& point) const {
     const SymmetricForcedOrbit orbit(bodies_, response_, point.force, point.omega);
     return orbit.exists() && orbit.is_stable();

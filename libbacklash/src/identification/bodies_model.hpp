@@ -30,7 +30,7 @@ class Bodies final : public SceneFamily {
   /// Fewer residuals than twice the parameters can be met by nearly anything.
   [[nodiscard]] std::size_t least_residuals() const override { return 2 * free_count(); }
   [[nodiscard]] bool agree(const Coordinates& one, const Coordinates& other, double within) const override;
-  /// Without friction or a spring.
+  /// Bodies without friction or springs are ideals.
   [[nodiscard]] bool is_ideal(std::size_t k) const override;
   [[nodiscard]] std::string coordinate_name(std::size_t k) const override;
   [[nodiscard]] std::vector<Quantity> parameters(const Coordinates& theta) const override;

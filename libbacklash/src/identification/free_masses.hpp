@@ -49,7 +49,7 @@ class FreeMasses final : public SceneFamily {
   [[nodiscard]] std::size_t least_residuals() const override { return free_count(); }
   /// The masses follow from the other coordinates by linear least squares.
   [[nodiscard]] bool agree(const Coordinates& one, const Coordinates& other, double within) const override;
-  /// Hard contacts and no friction.
+  /// Hard contacts and masses without friction are ideals.
   [[nodiscard]] bool is_ideal(std::size_t k) const override { return k >= 4 && bounds().lower[k] == 0; }
   [[nodiscard]] std::string coordinate_name(std::size_t k) const override;
   [[nodiscard]] std::vector<Quantity> parameters(const Coordinates& theta) const override;

@@ -12,7 +12,7 @@ namespace backlash::detail {
 
 /// What is stated of data, whichever family their scenes are of.
 struct SceneAnswer {
-  std::vector<SceneEstimate> estimates;  // of the family, stretched over rivals; none of it is taken back
+  std::vector<SceneEstimate> estimates;  // as the family states them, stretched over rivals
   std::vector<LocalScene> rivals;        // those that say something else, best first
   std::vector<std::string> free_directions;
   std::vector<std::string> misfits;

@@ -43,7 +43,8 @@ struct SceneData {
   [[nodiscard]] double size(std::complex<double> z) const;
   /// Standard deviation, up to a common factor, of a point at which the model has this value.
   [[nodiscard]] double deviation(const MeasuredPoint& point, std::complex<double> model) const;
-  /// Of residuals over their deviations: below it they are rounding errors, which may be correlated and mean nothing.
+  /// Variance below which residuals over their deviations are rounding errors, which may be correlated and mean
+  /// nothing.
   [[nodiscard]] double rounding_variance() const;
   /// ln(1 + (misfit/(tolerable misfit))^2): rates places that fit only part of the data.  `model` empty: no steady
   /// motion, at the price of a value of which only the size is known.

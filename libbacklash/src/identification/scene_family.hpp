@@ -58,7 +58,7 @@ struct PointGradient {
   std::vector<std::complex<double>> gradient;
 };
 
-/// Of each point, empty where there is none.
+/// A value of each point, empty where there is none.
 using PointValues = std::vector<std::optional<std::complex<double>>>;
 using PointGradients = std::vector<std::optional<PointGradient>>;
 using PointChoices = std::vector<PointChoice>;
@@ -78,7 +78,7 @@ class SceneMotions {
   SceneMotions& operator=(const SceneMotions&) = delete;
 
   [[nodiscard]] virtual Pace pace() const = 0;
-  /// Of the motions themselves, as a share of N.
+  /// Accuracy of the motions themselves, as a share of N.
   [[nodiscard]] virtual double accuracy() const { return 1e-7; }
 
   /// Finds the motion of each point that lies nearest; the scene may have none.
@@ -95,7 +95,7 @@ class SceneMotions {
 
   [[nodiscard]] virtual Regime regime(const Coordinates& theta, const MeasuredPoint& point,
                                       const PointChoice& choice) const = 0;
-  /// Empty where nothing is simulated.
+  /// Motions at a point that is left out; none where nothing is simulated.
   [[nodiscard]] virtual std::vector<SettledMotion> settled(const Coordinates&, const MeasuredPoint&) const {
     return {};
   }
