@@ -93,6 +93,28 @@ TEST(BodiesIdentification, FindsAMassThatStandsAlone) {
     EXPECT_NEAR(found.parameters[i].value, values[i], 1e-9) << found.parameters[i].name;
 }
 
+// A load without friction: its estimate ends at 0, which is no limit of the scene, and the others have intervals. Exact
+// data to rounding as above; 1 % noise to 4.5 standard errors as below.
+TEST(BodiesIdentification, FrictionMayVanish) {
+  const std::vector<double> values = {1, 0, 0.8, 0.3, 0.6};
+  auto curves = simulated(viscous.bodies(values), {20, 40}, 12.5, 20, 36, 8);
+  const BodiesIdentification exact = identify_bodies(curves, viscous, one_thread());
+  ASSERT_TRUE(exact.usable()) << exact.message;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_NEAR(exact.parameters[i].value, values[i], 1e-9) << exact.parameters[i].name;
+  support::Random random(7002);
+  add_noise(curves, 0.01, random);
+  const BodiesIdentification found = identify_bodies(curves, viscous, one_thread());
+  ASSERT_TRUE(found.usable()) << found.message;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const backlash::SceneEstimate& estimate = found.parameters[i];
+    EXPECT_FALSE(estimate.at_bound) << estimate.name;
+    EXPECT_LT(std::abs(estimate.value - values[i]), 4.5 * estimate.standard_error) << estimate.name;
+  }
+  EXPECT_EQ(found.parameters[1].ci95_lower, 0);
+  for (const std::size_t i : {0, 3, 4}) EXPECT_TRUE(found.parameters[i].identified) << found.parameters[i].name;
+}
+
 // A spring with a damper, and friction of a fractional order, from the motion of the driven body.
 TEST(BodiesIdentification, FindsASpringAndFractionalFriction) {
   const BodiesStructure structure{frac::Structure("1/(2 s^2 + 3 s + k)"), frac::Structure("1/(m2 s^2 + c s^a)")};

@@ -234,7 +234,7 @@ TEST(RubbingStarts, AreNearTheScene) {
     const double known = std::log(scene.mass1);
     const backlash::detail::SceneBounds bounds{{known, -20, -20, 0}, {known, 20, 20, 1}};
     const backlash::detail::FixedScene fixed = {scene.mass1, {}, {}, {}};
-    const auto error_of = [&](const std::vector<backlash::detail::SceneVector>& starts) {
+    const auto error_of = [&](const std::vector<backlash::detail::Coordinates>& starts) {
       double least = 1;
       for (const auto& start : starts) {
         const double product = std::exp(start[1] + start[2]) / (scene.mass2 * scene.clearance);

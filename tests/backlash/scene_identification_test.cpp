@@ -154,7 +154,7 @@ TEST(SceneResponse, HarmonicsOfPositionsAreThoseOfATimeHistory) {
   for (const auto& [gamma, sticks] : {std::pair{0.3, false}, std::pair{0.4, false}, std::pair{30.0, true}}) {
     const double force = 20, omega = std::sqrt(force / (gamma * scene.mass2() * scene.clearance()));
     for (const Output output : {Output::x1, Output::x2}) {
-      const SceneVector theta{std::log(scene.mass1()), std::log(scene.mass2()), std::log(scene.clearance()), 0.6};
+      const Coordinates theta{std::log(scene.mass1()), std::log(scene.mass2()), std::log(scene.clearance()), 0.6};
       backlash::RelativeState start{scene.clearance() / 2, 0};
       const double size = std::abs(harmonic_of_history(scene, force, omega, output, 1, start));
       for (const int k : {1, 3, 5}) {
@@ -251,14 +251,14 @@ TEST(SceneIdentification, RefusesHarmonicsThatItDoesNotFollow) {
 }
 
 // The first place that the law of -1/N gives.
-backlash::detail::SceneVector first_by_law(const std::vector<MeasuredDescribingFunction>& curves,
+backlash::detail::Coordinates first_by_law(const std::vector<MeasuredDescribingFunction>& curves,
                                            const backlash::detail::FixedScene& fixed) {
   backlash::detail::SceneBounds bounds{{-20, -20, -20, 0}, {20, 20, 20, 1}};
   for (std::size_t k = 0; k < 4; ++k) {
     if (fixed[k]) bounds.lower[k] = bounds.upper[k] = k == 3 ? *fixed[k] : std::log(*fixed[k]);
   }
   const auto starts = backlash::detail::law_starts(backlash::detail::scene_data(curves, {}), bounds, fixed, 5);
-  return starts.empty() ? backlash::detail::SceneVector{} : starts.front();
+  return starts.empty() ? backlash::detail::Coordinates{} : starts.front();
 }
 
 // N of closed orbits, found by letting the motion run, closed to 1e-12: a number of it is that near to the law, but for

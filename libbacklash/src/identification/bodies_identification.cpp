@@ -2,19 +2,18 @@
 #include "backlash/identification/bodies_identification.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
-#include "base/short_text.hpp"
 #include "bodies_model.hpp"
 #include "frac/identification/constraints.hpp"
-#include "frac/parallel_for.hpp"
-#include "identification/statistics/confidence.hpp"
-#include "scene_adequacy.hpp"
+#include "scene_answer.hpp"
 #include "scene_data.hpp"
-#include "scene_evidence.hpp"
+#include "scene_search.hpp"
 #include "scene_start.hpp"
 #include "scene_uncertainty.hpp"
 
@@ -29,28 +28,11 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // begin with.
 constexpr std::size_t grid_places = 8;
 constexpr std::array<double, 2> shares = {0.01, 0.2};
-// Points that tell places apart, rounds from each, and places of which the estimate is looked for.
+// Points that tell places apart, and places of which the estimate is looked for.
 constexpr std::size_t scouting_points = 24;
-constexpr int scouting_rounds = 2;
 constexpr std::size_t settled_places = 4;
-// Evidence, as -2 ln of odds: of a place worth an estimate against the best one; of a rival, 150 to 1; of one estimate
-// reached twice.
-constexpr double worth_settling = 100;
-constexpr double rival_deviance = 10;
-constexpr double same_deviance = 0.01;
-// Places whose coordinates lie this near to an estimate lead to it.
-constexpr double same_place = 0.05;
-constexpr int most_rounds = 15;
 constexpr double default_range = 13.8;  // ln 1e6, of masses and clearance about what the data suggest
 constexpr double largest_order = 2;     // from there on a term would count as mass
-
-struct Place {
-  Values theta;
-  std::vector<detail::PointChoice> choices;
-  double deviance = std::numeric_limits<double>::infinity();
-  bool converged = false;
-  std::size_t reached = 1;  // from how many starts
-};
 
 frac::detail::DataScale scale_of(const detail::SceneData& data) {
   const auto [low, high] =
@@ -59,29 +41,46 @@ frac::detail::DataScale scale_of(const detail::SceneData& data) {
   return {data.typical, data.typical, data.typical, std::sqrt(low->omega * high->omega), low->omega, high->omega};
 }
 
-std::vector<frac::ParameterConstraint> with_defaults(const frac::Structure& joint,
+double mass_of(const BodiesStructure& structure, std::size_t body, const Values& values) {
+  const TwoMassSystem system = structure.bodies(values).system();
+  return body == 0 ? system.mass1() : system.mass2();
+}
+
+// x of mass ~ parameter^x; 0 of friction and springs.
+double mass_exponent(const BodiesStructure& structure, std::size_t body, const Values& values, std::size_t parameter) {
+  Values doubled = values;
+  doubled[parameter] *= 2;
+  const double exponent = std::log2(mass_of(structure, body, doubled) / mass_of(structure, body, values));
+  return std::abs(exponent) > 1e-9 ? exponent : 0;
+}
+
+std::vector<frac::ParameterConstraint> with_defaults(const BodiesStructure& structure, const frac::Structure& joint,
                                                      std::vector<frac::ParameterConstraint> constraints) {
   const auto limit = [&](const std::string& name, double lower, double upper) {
-    for (frac::ParameterConstraint& each : constraints) {
-      if (each.name != name) continue;
-      if (each.fixed) return;
-      each.lower = std::max(each.lower.value_or(lower), lower);
-      each.upper = std::min(each.upper.value_or(upper), upper);
-      return;
-    }
-    constraints.push_back({name, {}, lower, upper, {}});
+    frac::ParameterConstraint& each = frac::constraint_of(constraints, name);
+    if (each.fixed) return;
+    each.lower = std::max(each.lower.value_or(lower), lower);
+    each.upper = std::min(each.upper.value_or(upper), upper);
   };
   limit("restitution", 0, 1);
-  for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
-    if (joint.parameter_roles()[i] == frac::ParameterRole::order) {
-      limit(joint.parameter_names()[i], 0, largest_order);
-    }
+  const std::vector<std::string>& names = joint.parameter_names();
+  Values values;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (joint.parameter_roles()[i] == frac::ParameterRole::order) limit(names[i], 0, largest_order);
+    const frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
+    values.push_back(each.fixed ? *each.fixed : each.start.value_or(1));
   }
-  // A mass that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
-  for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
-    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient) continue;
-    frac::ParameterConstraint& each = frac::constraint_of(constraints, joint.parameter_names()[i]);
-    if (!each.lower && !each.fixed) each.positive = true;
+  // Friction and springs may vanish, so that they are estimated from 0 on.  Masses and the clearance may not; a mass
+  // that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
+    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient || each.lower || each.fixed) continue;
+    const bool may_vanish = names[i] != "clearance" && mass_exponent(structure, 0, values, i) == 0 &&
+                            mass_exponent(structure, 1, values, i) == 0;
+    if (may_vanish)
+      each.lower = 0;
+    else
+      each.positive = true;
   }
   return constraints;
 }
@@ -104,8 +103,10 @@ class Starts {
          const detail::SceneData& data, std::vector<double> jumps)
       : structure_(structure), joint_(joint), map_(map), data_(data), jumps_(std::move(jumps)) {
     Values theta;
-    for (const ParameterMap::Free& free : map.free()) theta.push_back(std::clamp(0.0, free.lower, free.upper));
-    base_ = map.to_user(theta);
+    // In their natural units, away from the limits.
+    for (const ParameterMap::Free& free : map.free())
+      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, free.lower, 0.5 * (free.lower + free.upper)));
+    base_ = detail::values_at(map, theta);
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if (joint.parameter_roles()[i] == frac::ParameterRole::order) base_[i] = 1;
       if (std::isfinite(map.start()[i])) base_[i] = map.start()[i];
@@ -116,7 +117,7 @@ class Starts {
 
   [[nodiscard]] std::vector<Values> all() const {
     std::vector<Values> starts;
-    for (const detail::SceneVector& scene : scenes()) {
+    for (const detail::Coordinates& scene : scenes()) {
       for (const double share : shares) {
         starts.push_back(map_.to_theta(values(scene, share)));
         if (bodies_[0].others.empty() && bodies_[1].others.empty()) break;
@@ -138,29 +139,23 @@ class Starts {
     return !map_.is_fixed(parameter) && !std::isfinite(map_.start()[parameter]) &&
            joint_.parameter_roles()[parameter] == frac::ParameterRole::coefficient;
   }
-  [[nodiscard]] double mass_of(const Body& body, const Values& values) const {
-    const TwoMassSystem system = structure_.bodies(values).system();
-    return body.number == 0 ? system.mass1() : system.mass2();
-  }
   [[nodiscard]] Body body_of(const frac::Structure& formula, std::size_t number) const {
     Body body{&formula, number, {}, 1, {}};
     for (const std::string& name : formula.parameter_names()) {
       const std::size_t parameter = joint_.parameter_index(name);
       if (!is_open(parameter)) continue;
-      Values doubled = base_;
-      doubled[parameter] *= 2;
-      const double exponent = std::log2(mass_of(body, doubled) / mass_of(body, base_));
-      if (std::abs(exponent) > 1e-9 && !body.mass) {
+      const double exponent = mass_exponent(structure_, number, base_, parameter);
+      if (exponent == 0) {
+        body.others.push_back(parameter);
+      } else if (!body.mass) {
         body.mass = parameter;
         body.exponent = exponent;
-      } else if (std::abs(exponent) <= 1e-9) {
-        body.others.push_back(parameter);
       }
     }
     return body;
   }
 
-  [[nodiscard]] std::vector<detail::SceneVector> scenes() const {
+  [[nodiscard]] std::vector<detail::Coordinates> scenes() const {
     const auto mass = [](const detail::MeasuredPoint& point) {
       return -std::log(std::abs(point.value)) - 2 * std::log(point.omega);
     };
@@ -176,7 +171,7 @@ class Starts {
     bounds.upper = {highest + default_range, highest + default_range, std::log(amplitude) + default_range, 1};
     detail::FixedScene fixed;
     for (const Body& body : bodies_) {
-      if (!body.mass) fixed[body.number] = mass_of(body, base_);
+      if (!body.mass) fixed[body.number] = mass_of(structure_, body.number, base_);
     }
     const std::size_t clearance = base_.size() - 2, restitution = base_.size() - 1;
     if (!is_open(clearance)) fixed[2] = base_[clearance];
@@ -187,7 +182,7 @@ class Starts {
     return scene_starts(data_, bounds, fixed, jumps_, false, grid_places);
   }
 
-  [[nodiscard]] Values values(const detail::SceneVector& scene, double share) const {
+  [[nodiscard]] Values values(const detail::Coordinates& scene, double share) const {
     Values values = base_;
     const std::size_t clearance = base_.size() - 2, restitution = base_.size() - 1;
     if (is_open(clearance)) values[clearance] = std::exp(scene[2]);
@@ -195,7 +190,8 @@ class Starts {
     const double omega = map_.scale().omega;
     for (const Body& body : bodies_) {
       const double wanted = std::exp(scene[body.number]);
-      if (body.mass) values[*body.mass] *= std::pow(wanted / mass_of(body, values), 1 / body.exponent);
+      if (body.mass)
+        values[*body.mass] *= std::pow(wanted / mass_of(structure_, body.number, values), 1 / body.exponent);
       for (const std::size_t other : body.others) {
         const auto stiffness = [&](double factor) {
           Values scaled = values;
@@ -204,7 +200,7 @@ class Starts {
           return 1.0 / (body.number == 0 ? bodies.load() : bodies.drive()).response(omega);
         };
         const double rise = 2 * std::abs(stiffness(1) - stiffness(0.5));
-        if (rise > 0) values[other] *= share * mass_of(body, values) * omega * omega / rise;
+        if (rise > 0) values[other] *= share * mass_of(structure_, body.number, values) * omega * omega / rise;
       }
     }
     return values;
@@ -219,222 +215,28 @@ class Starts {
   std::array<Body, 2> bodies_;
 };
 
-// Every n-th point.
-detail::SceneData thinned(const detail::SceneData& data) {
-  detail::SceneData few = data;
-  few.points.clear();
-  const std::size_t stride = (data.points.size() + scouting_points - 1) / scouting_points;
-  for (std::size_t i = 0; i < data.points.size(); i += stride) few.points.push_back(data.points[i]);
-  return few;
-}
-
-class Searcher {
- public:
-  Searcher(const BodiesStructure& structure, const detail::SceneData& data, const ParameterMap& map)
-      : structure_(structure), data_(data), few_(thinned(data)), map_(map) {}
-
-  // A few rounds with some of the points and every orbit that exists.
-  [[nodiscard]] Place scout(const Values& start) const {
-    constexpr frac::detail::LocalOptions rough{8, 1e-3};
-    Place place{start, {}};
-    for (int round = 0; round < scouting_rounds; ++round) {
-      if (!choose(few_, detail::OrbitCheck::existence, 1, place)) break;
-      solve(few_, rough, place);
-    }
-    return choose(few_, detail::OrbitCheck::existence, 1, place) ? place : unusable();
-  }
-
-  // The estimate next to a place: motions and least squares in turn, until neither changes.
-  [[nodiscard]] Place settle(Place place, int threads) const {
-    constexpr frac::detail::LocalOptions fine{};
-    std::vector<bool> used_before;
-    for (int round = 0; round < most_rounds; ++round) {
-      if (!choose(data_, detail::OrbitCheck::motion, threads, place)) return unusable();
-      std::vector<bool> used;
-      for (const detail::PointChoice& choice : place.choices) used.push_back(choice.used);
-      const double before = place.deviance;
-      place.converged = solve(data_, fine, place) && used == used_before;
-      if (!choose(data_, detail::OrbitCheck::motion, threads, place)) return unusable();
-      if (place.converged && std::abs(place.deviance - before) < 1e-6) break;
-      used_before = std::move(used);
-    }
-    return place;
-  }
-
-  [[nodiscard]] detail::BodiesResiduals residuals(const Place& place) const {
-    return {structure_, data_, map_, place.choices};
-  }
-
- private:
-  // Its evidence is none.
-  [[nodiscard]] static Place unusable() { return {}; }
-
-  // False where too few points are left to say anything.
-  bool choose(const detail::SceneData& data, detail::OrbitCheck check, int threads, Place& place) const {
-    const std::size_t parameters = map_.free().size();
-    place.deviance = std::numeric_limits<double>::infinity();
-    try {
-      place.choices = choose_orbits(structure_.bodies(map_.to_user(place.theta)), data, parameters, check, threads);
-    } catch (const std::invalid_argument&) {
-      return false;
-    }
-    const detail::SceneEvidence evidence = scene_evidence(data, place.choices, parameters, detail::Effort::settle);
-    place.deviance = evidence.deviance;
-    // Fewer residuals than twice the parameters can be met by nearly anything.
-    return evidence.used * data.residuals_per_point() >= 2 * parameters && std::isfinite(evidence.deviance);
-  }
-  bool solve(const detail::SceneData& data, const frac::detail::LocalOptions& options, Place& place) const {
-    const detail::BodiesResiduals residuals(structure_, data, map_, place.choices);
-    const frac::detail::LocalSolution solution = local_solve(residuals, place.theta, options);
-    if (!std::isfinite(solution.cost)) return false;
-    place.theta = solution.theta;
-    return solution.converged;
-  }
-
-  const BodiesStructure& structure_;
-  const detail::SceneData& data_;
-  detail::SceneData few_;
-  const ParameterMap& map_;
-};
-
-bool is_better(const Place& one, const Place& other) {
-  return one.deviance < other.deviance;
-}
-
-struct Found {
-  std::vector<Place> settled;  // best first
-  std::size_t starts;
-};
-
-bool is_near(const Place& one, const Place& other) {
-  for (std::size_t k = 0; k < one.theta.size(); ++k) {
-    if (!(std::abs(one.theta[k] - other.theta[k]) < same_place)) return false;
-  }
-  return true;
-}
-
-Found search(const Searcher& searcher, const std::vector<Values>& starts, int threads) {
-  std::vector<Place> places(starts.size());
-  frac::parallel_for(starts.size(), threads, [&](std::size_t i) { places[i] = searcher.scout(starts[i]); });
-  std::stable_sort(places.begin(), places.end(), is_better);
-  Found found{{}, starts.size()};
-  for (const Place& place : places) {
-    if (!std::isfinite(place.deviance)) break;
-    if (found.settled.size() == settled_places || !(place.deviance <= places.front().deviance + worth_settling)) break;
-    const auto known = std::find_if(found.settled.begin(), found.settled.end(),
-                                    [&](const Place& settled) { return is_near(place, settled); });
-    if (known != found.settled.end()) {
-      ++known->reached;
-      continue;
-    }
-    Place settled = searcher.settle(place, threads);
-    if (std::isfinite(settled.deviance)) found.settled.push_back(std::move(settled));
-  }
-  std::stable_sort(found.settled.begin(), found.settled.end(), is_better);
+// Places are compared over some of the points and with every orbit that exists, since motions cost much.
+detail::SceneSearch search(const detail::Bodies& scouted, const detail::Bodies& bodies,
+                           const std::vector<Values>& starts, int threads) {
+  const detail::SceneSearcher scouts(scouted, threads), searcher(bodies, threads);
+  const std::vector<Values> places = scouts.places_of(
+      scouts.solve(starts, detail::Effort::glance, detail::Motions::all), settled_places, detail::worth_settling);
+  detail::SceneSearch found =
+      searcher.best_of(searcher.solve(places, detail::Effort::settle, detail::Motions::all), detail::rival_deviance);
+  found.starts = starts.size();
   return found;
 }
 
-std::vector<SceneEstimate> estimates_of(const frac::Structure& joint, const ParameterMap& map,
-                                        const frac::detail::Confidence& confidence, const Values& values) {
-  std::vector<SceneEstimate> estimates;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool is_gap = i + 2 >= values.size();
-    SceneEstimate estimate{joint.parameter_names()[i],
-                           !is_gap                  ? ""
-                           : i + 2 == values.size() ? "m"
-                                                    : "1",
-                           values[i],
-                           map.is_fixed(i) ? 0 : confidence.widening[i] * confidence.standard_error[i],
-                           nan,
-                           nan,
-                           map.is_fixed(i),
-                           confidence.at_bound[i],
-                           false};
-    estimate.ci95_lower = values[i] - (estimate.fixed ? 0 : confidence.t * estimate.standard_error);
-    estimate.ci95_upper = values[i] + (estimate.fixed ? 0 : confidence.t * estimate.standard_error);
-    estimate.identified = estimate.fixed || detail::is_narrow(estimate);
-    estimates.push_back(std::move(estimate));
+BodiesIdentification nothing_found(const frac::Structure& joint) {
+  BodiesIdentification result{};
+  result.termination = frac::FitTermination::no_usable_start;
+  result.message =
+      "nowhere that was tried do enough points lie on a symmetric orbit of two impacts; give starts by what is known";
+  for (const std::string& name : joint.parameter_names()) {
+    result.parameters.push_back({name, "", nan, nan, nan, nan, false, false, false});
   }
-  return estimates;
-}
-
-std::string message_of(const BodiesIdentification& result, bool has_rivals) {
-  std::string text = std::to_string(result.points_used) + " of " + std::to_string(result.points.size()) +
-                     " points lie on the symmetric orbit of two impacts, rms " + frac::detail::short_text(result.rms) +
-                     ".";
-  for (const SceneEstimate& estimate : result.parameters) {
-    if (estimate.at_bound) text += " " + estimate.name + " is at a limit: fix what is known to lie there.";
-  }
-  if (result.termination != frac::FitTermination::converged) {
-    text += " The search had not settled when it was ended.";
-  }
-  if (has_rivals) text += " Other values explain the data nearly as well, and the intervals reach over them.";
-  for (const std::string& misfit : result.misfits) text += " " + misfit;
-  if (!result.misfits.empty()) text += " The model does not describe the data, so that nothing counts as identified.";
-  return text;
-}
-
-ScenePoint report_of(const detail::SceneData& data, std::size_t i, const detail::PointChoice& choice) {
-  const detail::MeasuredPoint& point = data.points[i];
-  ScenePoint reported{point.curve,      point.index, point.omega, detail::status_of(choice),
-                      Regime::averaged, {nan, nan},  {nan, nan}};
-  if (choice.kind == detail::PointChoice::Kind::none) return reported;
-  reported.regime = choice.kind == detail::PointChoice::Kind::free ? Regime::free : Regime::symmetric;
-  reported.model = choice.model;
-  reported.residual = (choice.model - point.value) / data.deviation(point, choice.model);
-  return reported;
-}
-
-void describe(const BodiesStructure& structure, const frac::Structure& joint, const detail::SceneData& data,
-              const ParameterMap& map, const Searcher& searcher, const Found& found, BodiesIdentification& result) {
-  const Place& best = found.settled.front();
-  const auto confidence_at = [&](const Place& place) {
-    const detail::BodiesResiduals residuals = searcher.residuals(place);
-    return frac::detail::confidence(residuals, solution_at(residuals, place.theta, {}), {});
-  };
-  const frac::detail::Confidence confidence = confidence_at(best);
-  const Values values = map.to_user(best.theta);
-  result.bodies = structure.bodies(values);
-  result.parameters = estimates_of(joint, map, confidence, values);
-  result.condition = confidence.condition;
-  result.free_parameters = confidence.rank;
-  result.covariance = confidence.covariance;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      result.covariance[i][k] *= confidence.widening[i] * confidence.widening[k];
-    }
-  }
-  bool has_rivals = false;
-  for (const Place& other : found.settled) {
-    if (other.deviance - best.deviance < same_deviance) {
-      result.starts_at_best += other.reached;
-    } else if (other.deviance - best.deviance < rival_deviance) {
-      has_rivals = true;
-      const auto rivals = estimates_of(joint, map, confidence_at(other), map.to_user(other.theta));
-      for (std::size_t i = 0; i < rivals.size(); ++i) detail::stretch_over(rivals[i], result.parameters[i]);
-    }
-  }
-  const detail::SceneAdequacy adequacy = scene_adequacy(data, best.choices, map.free().size());
-  result.misfits = adequacy.misfits;
-  result.residual_correlation = adequacy.correlation;
-  for (std::size_t i = 0; i < data.points.size(); ++i) {
-    result.points.push_back(report_of(data, i, best.choices[i]));
-    if (!best.choices[i].used) continue;
-    ++result.points_used;
-    for (const double part : data.parts(result.points.back().residual)) {
-      result.max_residual = std::max(result.max_residual, std::abs(part));
-      result.cost += part * part;
-    }
-  }
-  result.residuals = result.points_used * data.residuals_per_point();
-  result.rms = std::sqrt(result.cost / static_cast<double>(result.residuals));
-  result.termination = best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
-  const bool at_limit = std::any_of(result.parameters.begin(), result.parameters.end(),
-                                    [](const SceneEstimate& estimate) { return estimate.at_bound; });
-  if (!result.misfits.empty() || !best.converged || at_limit) {
-    for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
-  }
-  result.message = message_of(result, has_rivals);
+  result.condition = result.cost = result.rms = nan;
+  return result;
 }
 
 }  // namespace
@@ -468,24 +270,28 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
         "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
   const detail::SceneData data = detail::scene_data(curves, options, detail::LoadAtRest::kept);
   const frac::Structure joint = detail::joint_structure(structure);
-  const ParameterMap map(joint, with_defaults(joint, options.constraints), scale_of(data));
+  const ParameterMap map(joint, with_defaults(structure, joint, options.constraints), scale_of(data));
   detail::require_residuals(data, map.free().size());
   const Starts starts(structure, joint, map, data, detail::products_from_jumps(curves));
-  const Searcher searcher(structure, data, map);
-  const Found found = search(searcher, starts.all(), options.threads);
+  const detail::SceneData few = detail::thinned(data, scouting_points);
+  const detail::Bodies scouted(structure, few, joint, map), bodies(structure, data, joint, map);
+  const detail::SceneSearch found = search(scouted, bodies, starts.all(), options.threads);
 
-  BodiesIdentification result{};
+  BodiesIdentification result = nothing_found(joint);
   result.starts = found.starts;
-  if (found.settled.empty()) {
-    result.termination = frac::FitTermination::no_usable_start;
-    result.message =
-        "nowhere that was tried do enough points lie on a symmetric orbit of two impacts; give starts by what is known";
-    for (const std::string& name : joint.parameter_names()) {
-      result.parameters.push_back({name, "", nan, nan, nan, nan, false, false, false});
-    }
-    result.condition = result.cost = result.rms = nan;
-  } else {
-    describe(structure, joint, data, map, searcher, found, result);
+  if (found.best.usable) {
+    detail::SceneAnswer answer = detail::answer_of(bodies, found, options.sigma_is_measured);
+    const bool at_limit = std::any_of(answer.estimates.begin(), answer.estimates.end(),
+                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
+    if (!answer.misfits.empty() || !answer.converged || at_limit) detail::take_back(answer.estimates);
+    detail::fill_in(answer, found, result);
+    result.parameters = answer.estimates;
+    result.covariance = answer.covariance;
+    result.bodies = structure.bodies(detail::values_at(map, found.best.theta));
+    detail::MessageParts parts;
+    if (answer.points_used < answer.points.size())
+      parts.of_family = " Points are compared with the symmetric orbit of two impacts alone.";
+    result.message = detail::message_of(answer, result.parameters, parts);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;

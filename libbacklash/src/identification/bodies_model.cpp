@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bodies_model.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
-#include "frac/parallel_for.hpp"
 #include "loops/equations/forced_orbits.hpp"
 #include "loops/equations/gap_response.hpp"
 #include "loops/motions/symmetric_forced_orbit.hpp"
-#include "scene_evidence.hpp"
+#include "scene_uncertainty.hpp"
 
 namespace backlash::detail {
 namespace {
 
 using Complex = std::complex<double>;
+using Kind = PointChoice::Kind;
 
+constexpr int most_rounds = 20;
+constexpr int most_iterations = 12;
 // Of central differences: the third derivative and the rounding of N, 1e-13, then leave about eight digits.
 constexpr double difference_step = 1e-4;
 
@@ -24,8 +29,8 @@ Complex read(const ForcedOrbits::Orbit& orbit, Output output) {
 
 class OrbitModel {
  public:
-  OrbitModel(const LinearBodies& bodies, Output output)
-      : bodies_(bodies), response_(gap_response(bodies)), output_(output) {}
+  OrbitModel(LinearBodies bodies, Output output)
+      : bodies_(std::move(bodies)), response_(gap_response(bodies_)), output_(output) {}
 
   // Where the force is too small, the orbit of the least force continues it smoothly enough for a search.
   [[nodiscard]] Complex value(const MeasuredPoint& point) const {
@@ -37,20 +42,111 @@ class OrbitModel {
   [[nodiscard]] bool moves_freely(const MeasuredPoint& point) const {
     return output_ == Output::x2 && point.force * std::abs(free_value(point)) < 0.5 * bodies_.system().clearance();
   }
-  [[nodiscard]] bool has_orbit(const MeasuredPoint& point, OrbitCheck check) const {
-    if (check == OrbitCheck::existence) {
-      const ForcedOrbits orbits(bodies_, response_, point.omega);
-      return point.force >= orbits.least_force() && orbits.at(point.force, true).impulse > 0;
-    }
+  // That is enough to compare places.
+  [[nodiscard]] bool has_orbit(const MeasuredPoint& point) const {
+    const ForcedOrbits orbits(bodies_, response_, point.omega);
+    return point.force >= orbits.least_force() && orbits.at(point.force, true).impulse > 0;
+  }
+  // Bodies follow the orbit: it stays off the walls and is stable.
+  [[nodiscard]] bool has_motion(const MeasuredPoint& point) const {
     const SymmetricForcedOrbit orbit(bodies_, response_, point.force, point.omega);
     return orbit.exists() && orbit.is_stable();
   }
 
  private:
-  const LinearBodies& bodies_;
+  LinearBodies bodies_;
   ImpulseAnswer response_;
   Output output_;
 };
+
+class BodiesMotions final : public SceneMotions {
+ public:
+  BodiesMotions(const BodiesStructure& structure, const SceneData& data, const frac::detail::ParameterMap& map,
+                Effort effort)
+      : structure_(structure), data_(data), map_(map), effort_(effort) {}
+
+  [[nodiscard]] Pace pace() const override {
+    if (effort_ == Effort::glance) return {rounds_of_a_glance, iterations_of_a_glance};
+    return {most_rounds, most_iterations, 0, near_step};
+  }
+
+  void choose(const Coordinates& theta, int, PointChoices& choices) override {
+    std::fill(choices.begin(), choices.end(), PointChoice{});
+    const std::optional<OrbitModel> model = model_at(theta);
+    for (std::size_t i = 0; i < choices.size() && model; ++i) {
+      const MeasuredPoint& point = data_.points[i];
+      if (effort_ == Effort::settle ? model->has_motion(point) : model->has_orbit(point))
+        choices[i].offer(data_, point, Kind::two_impact, model->value(point));
+      if (model->moves_freely(point)) choices[i].offer(data_, point, Kind::free, model->free_value(point));
+    }
+  }
+
+  [[nodiscard]] PointValues values(const Coordinates& theta, const PointChoices& choices, bool all) const override {
+    const std::optional<OrbitModel> model = model_at(theta);
+    return of_used(choices, all, [&](std::size_t i) -> std::optional<Complex> {
+      if (!model) return std::nullopt;
+      const MeasuredPoint& point = data_.points[i];
+      const Complex value = choices[i].kind == Kind::free ? model->free_value(point) : model->value(point);
+      if (!std::isfinite(std::abs(value))) return std::nullopt;
+      return value;
+    });
+  }
+
+  [[nodiscard]] PointGradients gradients(const Coordinates& theta, const PointChoices& choices) const override {
+    const auto here = values(theta, choices, true);
+    auto result = of_used(choices, true, [&](std::size_t i) -> std::optional<PointGradient> {
+      if (!here[i]) return std::nullopt;
+      return PointGradient{*here[i], std::vector<Complex>(theta.size())};
+    });
+    Coordinates moved = theta;
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const auto& free = map_.free()[k];
+      const double step = difference_step * std::max(1e-3, free.logarithmic ? 1 : std::abs(theta[k]));
+      const double high = std::min(theta[k] + step, free.upper), low = std::max(theta[k] - step, free.lower);
+      moved[k] = high;
+      const auto above = values(moved, choices, true);
+      moved[k] = low;
+      const auto below = values(moved, choices, true);
+      moved[k] = theta[k];
+      for (std::size_t i = 0; i < result.size(); ++i) {
+        if (!result[i]) continue;
+        if (above[i] && below[i])
+          result[i]->gradient[k] = (*above[i] - *below[i]) / (high - low);
+        else
+          result[i].reset();
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] Regime regime(const Coordinates&, const MeasuredPoint&, const PointChoice& choice) const override {
+    return choice.kind == Kind::none ? Regime::averaged : choice.kind == Kind::free ? Regime::free : Regime::symmetric;
+  }
+
+ private:
+  // Empty where an order leaves no mass, or poles could not be counted.
+  [[nodiscard]] std::optional<OrbitModel> model_at(const Coordinates& theta) const {
+    try {
+      return OrbitModel(structure_.bodies(values_at(map_, theta)), data_.output);
+    } catch (const std::invalid_argument&) {
+      return std::nullopt;
+    }
+  }
+
+  const BodiesStructure& structure_;
+  const SceneData& data_;
+  const frac::detail::ParameterMap& map_;
+  Effort effort_;
+};
+
+SceneBounds bounds_of(const frac::detail::ParameterMap& map) {
+  SceneBounds bounds;
+  for (const auto& free : map.free()) {
+    bounds.lower.push_back(free.lower);
+    bounds.upper.push_back(free.upper);
+  }
+  return bounds;
+}
 
 }  // namespace
 
@@ -60,74 +156,58 @@ frac::Structure joint_structure(const BodiesStructure& structure) {
                          ") + clearance) (1 + restitution)");
 }
 
-std::vector<PointChoice> choose_orbits(const LinearBodies& bodies, const SceneData& data, std::size_t parameters,
-                                       OrbitCheck check, int threads) {
-  const OrbitModel model(bodies, data.output);
-  std::vector<PointChoice> choices(data.points.size());
-  frac::parallel_for(choices.size(), threads, [&](std::size_t i) {
-    const MeasuredPoint& point = data.points[i];
-    PointChoice& choice = choices[i];
-    const auto offer = [&](PointChoice::Kind kind, Complex value) {
-      const double deviation = data.deviation(point, value);
-      if (!(deviation > 0)) return;
-      const double misfit = data.size(value - point.value) / deviation;
-      if (choice.kind != PointChoice::Kind::none && choice.misfit <= misfit) return;
-      choice.kind = kind;
-      choice.model = value;
-      choice.misfit = misfit;
-    };
-    if (model.has_orbit(point, check)) offer(PointChoice::Kind::two_impact, model.value(point));
-    if (model.moves_freely(point)) offer(PointChoice::Kind::free, model.free_value(point));
-  });
-  use_by_evidence(data, choices, parameters, Effort::settle);
-  return choices;
+std::vector<double> values_at(const frac::detail::ParameterMap& map, const Coordinates& theta) {
+  std::vector<double> values = map.to_user(theta);
+  values.back() = std::min(values.back(), 1.0);
+  return values;
 }
 
-BodiesResiduals::BodiesResiduals(const BodiesStructure& structure, const SceneData& data,
-                                 const frac::detail::ParameterMap& map, const std::vector<PointChoice>& choices)
-    : Residuals(map), structure_(structure), data_(data) {
-  for (std::size_t i = 0; i < choices.size(); ++i) {
-    if (!choices[i].used) continue;
-    used_.push_back({i, choices[i].kind, data.deviation(data.points[i], choices[i].model)});
-  }
+Bodies::Bodies(const BodiesStructure& structure, const SceneData& data, const frac::Structure& joint,
+               const frac::detail::ParameterMap& map)
+    : SceneFamily(data, bounds_of(map)), structure_(structure), joint_(joint), map_(map) {}
+
+std::shared_ptr<SceneMotions> Bodies::motions(Effort effort, Motions) const {
+  return std::make_shared<BodiesMotions>(structure_, data(), map_, effort);
 }
 
-bool BodiesResiduals::residuals_at(std::span<const double> theta, double* residual) const {
-  try {
-    const LinearBodies bodies = structure_.bodies(map().to_user(theta));
-    const OrbitModel model(bodies, data_.output);
-    for (const Used& used : used_) {
-      const MeasuredPoint& point = data_.points[used.point];
-      const Complex value = used.kind == PointChoice::Kind::free ? model.free_value(point) : model.value(point);
-      const auto parts = data_.parts((value - point.value) / used.deviation);
-      for (std::size_t part = 0; part < per_point(); ++part) {
-        if (!std::isfinite(parts[part])) return false;
-        *residual++ = parts[part];
-      }
-    }
-  } catch (const std::invalid_argument&) {
-    // An order that leaves no mass, or poles that could not be counted.
-    return false;
-  }
-  return true;
+bool Bodies::agree(const Coordinates& one, const Coordinates& other, double within) const {
+  return std::equal(one.begin(), one.end(), other.begin(),
+                    [&](double a, double b) { return std::abs(a - b) < within; });
 }
 
-bool BodiesResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
-  if (!residuals_at(theta, residual)) return false;
-  if (!jacobian) return true;
-  std::vector<double> moved(theta.begin(), theta.end()), above(count()), below(count());
-  for (std::size_t k = 0; k < moved.size(); ++k) {
-    const auto& free = map().free()[k];
-    const double step = difference_step * std::max(1e-3, free.logarithmic ? 1 : std::abs(theta[k]));
-    const double high = std::min(theta[k] + step, free.upper), low = std::max(theta[k] - step, free.lower);
-    moved[k] = high;
-    if (!residuals_at(moved, above.data())) return false;
-    moved[k] = low;
-    if (!residuals_at(moved, below.data())) return false;
-    moved[k] = theta[k];
-    for (std::size_t i = 0; i < count(); ++i) jacobian[k * count() + i] = (above[i] - below[i]) / (high - low);
+bool Bodies::is_ideal(std::size_t k) const {
+  const auto& free = map_.free()[k];
+  const std::string& name = joint_.parameter_names()[free.parameter];
+  return free.role == frac::ParameterRole::coefficient && free.least == 0 && !free.logarithmic && name != "clearance" &&
+         name != "restitution";
+}
+
+std::string Bodies::coordinate_name(std::size_t k) const {
+  return (map_.free()[k].logarithmic ? "ln " : "") + joint_.parameter_names()[parameter_of(k)];
+}
+
+std::vector<Quantity> Bodies::parameters(const Coordinates& theta) const {
+  const std::vector<double> values = values_at(map_, theta);
+  std::vector<Quantity> result;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_clearance = i + 2 == values.size(), is_restitution = i + 1 == values.size();
+    result.push_back({joint_.parameter_names()[i],
+                      is_clearance     ? "m"
+                      : is_restitution ? "1"
+                                       : "",
+                      values[i], std::vector<double>(theta.size())});
   }
-  return true;
+  for (const auto& entry : map_.jacobian_entries(values))
+    result[entry.parameter].gradient[entry.free] += entry.derivative;
+  for (std::size_t k = 0; k < theta.size(); ++k)
+    if (is_ideal(k)) result[parameter_of(k)].from_zero = true;
+  return result;
+}
+
+std::vector<SceneEstimate> Bodies::estimates(const SceneUncertainty& uncertainty) const {
+  std::vector<SceneEstimate> result;
+  for (const Quantity& parameter : parameters(uncertainty.theta())) result.push_back(uncertainty.estimate(parameter));
+  return result;
 }
 
 }  // namespace backlash::detail

@@ -1,54 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
+#include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "backlash/identification/bodies_identification.hpp"
-#include "identification/residuals/residuals.hpp"
-#include "scene_solver.hpp"
+#include "identification/residuals/parameter_map.hpp"
+#include "scene_family.hpp"
 
 namespace backlash::detail {
 
 /// All parameters of two bodies as one formula, which knows their roles and dimensions.
 [[nodiscard]] frac::Structure joint_structure(const BodiesStructure& structure);
 
-/// How far it is looked whether bodies follow an orbit.
-enum class OrbitCheck {
-  existence,  // there is one: enough to compare places
-  motion,     // it stays off the walls and is stable
-};
+/// Parameters at coordinates; rounding does not leave the restitution above 1.
+[[nodiscard]] std::vector<double> values_at(const frac::detail::ParameterMap& map, const Coordinates& theta);
 
-/// What each point is compared with, and which of them are used.
-/// @param parameters  count of those estimated
-[[nodiscard]] std::vector<PointChoice> choose_orbits(const LinearBodies& bodies, const SceneData& data,
-                                                     std::size_t parameters, OrbitCheck check, int threads);
-
-/// Residuals of the points that are used, each over the deviation it has with the choice; the Jacobian is from central
-/// differences.
-class BodiesResiduals final : public frac::detail::Residuals {
+/// Two bodies whose receptances are formulas, in the coordinates of the map of the joint formula: those that are free.
+/// A point is compared with the symmetric orbit of two impacts, and one of the drive with its motion without impacts.
+class Bodies final : public SceneFamily {
  public:
-  /// @param structure  stays with the caller, as the data and the map do
-  BodiesResiduals(const BodiesStructure& structure, const SceneData& data, const frac::detail::ParameterMap& map,
-                  const std::vector<PointChoice>& choices);
+  /// @param structure  stays with the caller, as the data, the joint formula and the map do
+  Bodies(const BodiesStructure& structure, const SceneData& data, const frac::Structure& joint,
+         const frac::detail::ParameterMap& map);
 
-  [[nodiscard]] std::size_t points() const noexcept override { return used_.size(); }
-  [[nodiscard]] std::size_t per_point() const noexcept override { return data_.residuals_per_point(); }
-  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
-  [[nodiscard]] double best_factor(std::span<const double>) const override { return 1; }
+  [[nodiscard]] std::shared_ptr<SceneMotions> motions(Effort effort, Motions which) const override;
+  /// Fewer residuals than twice the parameters can be met by nearly anything.
+  [[nodiscard]] std::size_t least_residuals() const override { return 2 * free_count(); }
+  [[nodiscard]] bool agree(const Coordinates& one, const Coordinates& other, double within) const override;
+  /// Bodies without friction or springs are ideals.
+  [[nodiscard]] bool is_ideal(std::size_t k) const override;
+  [[nodiscard]] std::string coordinate_name(std::size_t k) const override;
+  [[nodiscard]] std::vector<Quantity> parameters(const Coordinates& theta) const override;
+  [[nodiscard]] std::size_t parameter_of(std::size_t k) const override { return map_.free()[k].parameter; }
+  [[nodiscard]] std::vector<SceneEstimate> estimates(const SceneUncertainty& uncertainty) const override;
 
  private:
-  struct Used {
-    std::size_t point;
-    PointChoice::Kind kind;
-    double deviation;
-  };
-  // False where there are no such bodies.
-  bool residuals_at(std::span<const double> theta, double* residual) const;
-
   const BodiesStructure& structure_;
-  const SceneData& data_;
-  std::vector<Used> used_;
+  const frac::Structure& joint_;
+  const frac::detail::ParameterMap& map_;
 };
 
 }  // namespace backlash::detail

@@ -12,10 +12,6 @@ namespace backlash::detail {
 namespace {
 
 using frac::detail::short_text;
-// Standard deviations that chance exceeds on one side once in a thousand.
-constexpr double significant = 3.09;
-// Residuals below this share of the data are rounding errors, whose neighbours may be correlated.
-constexpr double rounding_share = 1e-7;
 // Correlation of neighbours from which on the scene misses the shape of the data: less is what noise may have.  Of
 // random scenes with white noise whose correlation was above this nearly all estimates were of another scene.
 constexpr double shape_correlation = 0.3;
@@ -170,8 +166,7 @@ SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoic
   const Neighbours neighbours = residuals.neighbours();
   if (!(degrees > 0) || neighbours.pairs < least_pairs) return result;
   const double variance = residuals.cost() / degrees;
-  const double rounding = rounding_share * data.typical_misfit;
-  if (variance <= rounding * rounding) return result;
+  if (variance <= data.rounding_variance()) return result;
   const double pairs = static_cast<double>(neighbours.pairs);
   // Fitting lowers the correlation of neighbours by about this much.
   const double correlation = neighbours.products / (pairs * variance) + static_cast<double>(parameters) / count;
@@ -182,7 +177,7 @@ SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoic
                                "): the scene misses the shape of the data.");
     }
   }
-  const double noise_variance = std::max(neighbours.differences / (2 * pairs), rounding * rounding);
+  const double noise_variance = std::max(neighbours.differences / (2 * pairs), data.rounding_variance());
   compare_curves(data, residuals, noise_variance, result.misfits);
   return result;
 }
@@ -217,8 +212,7 @@ bool tells_contacts(const SceneData& data, const std::vector<PointChoice>& choic
   const double degrees = per_point * static_cast<double>(used) - static_cast<double>(parameters);
   const double further = per_point * static_cast<double>(choices.size()) - degrees - (has_mass ? 1 : 0);
   if (!(degrees > 0) || !(further > 0)) return true;
-  const double rounding = rounding_share * data.typical_misfit;
-  const double variance = std::max({of_scene / degrees, least_variance, rounding * rounding});
+  const double variance = std::max({of_scene / degrees, least_variance, data.rounding_variance()});
   const double ratio = std::max(0.0, cost - of_scene) / (further * variance);
   return frac::detail::fisher_f_above(ratio, further, degrees) < chance;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene_solver.hpp"
+#include "scene_data.hpp"
 
 namespace backlash::detail {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -14,12 +15,82 @@
 namespace backlash::detail {
 namespace {
 
+using Complex = std::complex<double>;
+
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // gamma where the motion of the low-frequency side ends: between 0.463 and 0.533 for restitution 0.2 to 0.8.
 constexpr double jump_gamma = 0.5;
 constexpr std::size_t jumps_per_curve = 3;
 
+// Misfit that counts as tolerable while places are compared: in shares of |N|, or in sigma.
+constexpr double tolerable_share = 0.03;
+constexpr double tolerable_sigmas = 3;
+
 }  // namespace
+
+std::array<double, 2> SceneData::parts(Complex z) const {
+  switch (component) {
+    case frac::Component::real:
+      return {z.real(), 0};
+    case frac::Component::imaginary:
+      return {z.imag(), 0};
+    default:
+      return {z.real(), z.imag()};
+  }
+}
+
+double SceneData::size(Complex z) const {
+  const auto [first, second] = parts(z);
+  return std::hypot(first, second);
+}
+
+double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
+  switch (weight) {
+    case frac::Weight::given:
+      return point.sigma;
+    case frac::Weight::relative:
+      // The part not fitted is free to grow: it must not make the other one weigh less.
+      return std::abs(component == frac::Component::both ? model : point.value);
+    default:
+      return 1;
+  }
+}
+
+double SceneData::rounding_variance() const {
+  constexpr double share = 1e-7;  // of the data
+  return share * typical_misfit * (share * typical_misfit);
+}
+
+double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
+  double tolerable = tolerable_share * typical;
+  if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
+  if (weight == frac::Weight::relative) {
+    const bool whole = component == frac::Component::both && model;
+    tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
+  }
+  if (!(tolerable > 0)) return 0;
+  if (model) {
+    const double share = size(*model - point.value) / tolerable;
+    return std::log1p(share * share);
+  }
+  // ln(1 + share^2) is the price of a Cauchy distribution, in one or two dimensions, against its peak.  A value of
+  // which only the size is known is spread evenly over an interval or a disc.
+  const double width = tolerable / std::abs(point.value);
+  const double price = component == frac::Component::both ? -2.0 / 3 * std::log(2 * width * width)
+                                                          : -std::log(0.5 * std::numbers::pi * width);
+  return std::max(price, 0.0);
+}
+
+bool PointChoice::offer(const SceneData& data, const MeasuredPoint& point, Kind offered, Complex value) {
+  const double deviation = data.deviation(point, value);
+  if (!(deviation > 0)) return false;
+  const double distance = data.size(value - point.value) / deviation;
+  if (kind != Kind::none && misfit <= distance) return false;
+  kind = offered;
+  model = value;
+  misfit = distance;
+  return true;
+}
 
 void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
   if (curves.empty()) throw std::invalid_argument("curves is empty; at least one describing function is needed");
@@ -91,6 +162,14 @@ SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, cons
   data.force_unit = std::numeric_limits<double>::infinity();
   for (const MeasuredPoint& point : data.points) data.force_unit = std::min(data.force_unit, point.force);
   return data;
+}
+
+SceneData thinned(const SceneData& data, std::size_t points) {
+  SceneData few = data;
+  few.points.clear();
+  const std::size_t stride = (data.points.size() + points - 1) / points;
+  for (std::size_t i = 0; i < data.points.size(); i += stride) few.points.push_back(data.points[i]);
+  return few;
 }
 
 void require_residuals(const SceneData& data, std::size_t parameters) {

@@ -10,9 +10,6 @@ namespace backlash::detail {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
-// Accuracy of the motions themselves as a share of N: computed, and from the table.
-constexpr double model_accuracy = 1e-7;
-constexpr double table_accuracy = 0.01;
 // Another motion than the one expected often lies as near to it.
 constexpr double other_motion = 0.1;
 // Share of points that lie on another motion than the scene's definite one, or are outliers.
@@ -69,11 +66,11 @@ struct Sums {
   std::size_t used = 0;
 };
 
-SceneEvidence evidence_of(const SceneData& data, const Sums& sums, std::size_t parameters, Effort effort) {
+SceneEvidence evidence_of(const SceneData& data, const Sums& sums, std::size_t parameters, double accuracy) {
   const double residuals = static_cast<double>(sums.used * data.residuals_per_point());
   const double degrees = residuals - static_cast<double>(parameters);
   if (!(degrees > 0)) return {std::numeric_limits<double>::infinity(), 0, sums.used};
-  const double floor = (effort == Effort::settle ? model_accuracy : table_accuracy) * data.typical_misfit;
+  const double floor = accuracy * data.typical_misfit;
   const double variance = std::max(sums.cost / degrees, floor * floor);
   const double deviance = degrees * std::log(two_pi * variance) + sums.cost / variance +
                           static_cast<double>(parameters) * std::log(residuals) + sums.prices;
@@ -83,7 +80,7 @@ SceneEvidence evidence_of(const SceneData& data, const Sums& sums, std::size_t p
 }  // namespace
 
 SceneEvidence scene_evidence(const SceneData& data, const std::vector<PointChoice>& choices, std::size_t parameters,
-                             Effort effort) {
+                             double accuracy) {
   Sums sums;
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const PointChoice& choice = choices[i];
@@ -92,10 +89,11 @@ SceneEvidence scene_evidence(const SceneData& data, const std::vector<PointChoic
     sums.cost += choice.misfit * choice.misfit;
     ++sums.used;
   }
-  return evidence_of(data, sums, parameters, effort);
+  return evidence_of(data, sums, parameters, accuracy);
 }
 
-void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, std::size_t parameters, Effort effort) {
+void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, std::size_t parameters,
+                     double accuracy) {
   std::vector<std::size_t> order;
   Sums sums;
   for (std::size_t i = 0; i < choices.size(); ++i) {
@@ -114,7 +112,7 @@ void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, s
     sums.prices += price_used(data, choice, order[n]) - price_left_out(data, choice, order[n]);
     sums.cost += choice.misfit * choice.misfit;
     ++sums.used;
-    const double deviance = evidence_of(data, sums, parameters, effort).deviance;
+    const double deviance = evidence_of(data, sums, parameters, accuracy).deviance;
     if (deviance < least) {
       least = deviance;
       best = n + 1;
@@ -124,39 +122,33 @@ void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, s
 }
 
 void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene& local) {
-  const double deviation = scene_evidence(data, local.choices, parameters, Effort::settle).deviation;
-  const OutputCoefficients coefficients = output_coefficients(local.theta, data.output);
+  const double accuracy = local.motions->accuracy();
+  const double deviation = scene_evidence(data, local.choices, parameters, accuracy).deviation;
   for (std::size_t i = 0; i < local.choices.size(); ++i) {
     PointChoice& choice = local.choices[i];
     const MeasuredPoint& point = data.points[i];
-    if (choice.used || point.harmonic != 1) continue;
-    // N of contacts that take time differs from that of hard ones, which are simulated, in first order of their angle.
-    // So does that of masses with friction, by about its share of the force.
-    const double angle =
-        contact_angle(local.theta, data, point) +
-        (local.theta[first_friction] + local.theta[first_friction + 1]) * data.force_unit / point.force;
-    if (angle > other_motion) continue;
-    const auto motions = motions_of_starts(gamma_at(local.theta, point), local.theta[3]);
+    if (choice.used) continue;
+    const std::vector<SettledMotion> motions = local.motions->settled(local.theta, point);
     const PointChoice compared = choice;
     double least = price_left_out(data, choice, i);
-    for (const StartedMotion& motion : motions) {
+    for (const SettledMotion& motion : motions) {
       PointChoice other;
-      other.model = point_value(coefficients, point, motion.h);
+      other.model = motion.value;
       other.means = static_cast<int>(motions.size());
       const double size = std::max(std::abs(other.model), least_size * data.typical);
       // The motion that the point lies off is none the nearer for being found again.
       if (compared.kind != PointChoice::Kind::none &&
-          std::abs(other.model - compared.model) <= std::max(same_motion, angle) * size)
+          std::abs(other.model - compared.model) <= std::max(same_motion, motion.accuracy) * size)
         continue;
       other.accuracy = std::hypot(motion.closes ? 0 : long_mean_accuracy,
-                                  deviation * data.deviation(point, other.model) / size, angle);
+                                  deviation * data.deviation(point, other.model) / size, motion.accuracy);
       const double price = price_left_out(data, other, i);
       if (!(price < least)) continue;
       least = price;
       choice = other;
     }
   }
-  local.deviance = scene_evidence(data, local.choices, parameters, Effort::settle).deviance;
+  local.deviance = scene_evidence(data, local.choices, parameters, accuracy).deviance;
 }
 
 }  // namespace backlash::detail

@@ -29,12 +29,12 @@ struct SceneEvidence {
 
 /// @param choices  used, kind, misfit and model are read
 /// @param parameters  count of those estimated
-/// @param effort  tells how well the motions are known: s is no less
+/// @param accuracy  to which the motions are known, as a share of N: s is no less
 [[nodiscard]] SceneEvidence scene_evidence(const SceneData& data, const std::vector<PointChoice>& choices,
-                                           std::size_t parameters, Effort effort);
+                                           std::size_t parameters, double accuracy);
 
 /// Uses the points with which the evidence is greatest, at the misfits they have: those of least misfit.
-void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, std::size_t parameters, Effort effort);
+void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, std::size_t parameters, double accuracy);
 
 /// Compares the points that a settled scene leaves out with the motions that simulations of it settle on, and rates the
 /// scene anew: points on subharmonic orbits, or about a mean, count as explained by what the scene itself does there.

@@ -10,59 +10,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Misfit that counts as tolerable while places are compared: in shares of |N|, or in sigma.
-constexpr double tolerable_share = 0.03;
-constexpr double tolerable_sigmas = 3;
-
 }  // namespace
-
-std::array<double, 2> SceneData::parts(Complex z) const {
-  switch (component) {
-    case frac::Component::real:
-      return {z.real(), 0};
-    case frac::Component::imaginary:
-      return {z.imag(), 0};
-    default:
-      return {z.real(), z.imag()};
-  }
-}
-
-double SceneData::size(Complex z) const {
-  const auto [first, second] = parts(z);
-  return std::hypot(first, second);
-}
-
-double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
-  switch (weight) {
-    case frac::Weight::given:
-      return point.sigma;
-    case frac::Weight::relative:
-      // The part not fitted is free to grow: it must not make the other one weigh less.
-      return std::abs(component == frac::Component::both ? model : point.value);
-    default:
-      return 1;
-  }
-}
-
-double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
-  double tolerable = tolerable_share * typical;
-  if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
-  if (weight == frac::Weight::relative) {
-    const bool whole = component == frac::Component::both && model;
-    tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
-  }
-  if (!(tolerable > 0)) return 0;
-  if (model) {
-    const double share = size(*model - point.value) / tolerable;
-    return std::log1p(share * share);
-  }
-  // ln(1 + share^2) is the price of a Cauchy distribution, in one or two dimensions, against its peak.  A value of
-  // which only the size is known is spread evenly over an interval or a disc.
-  const double width = tolerable / std::abs(point.value);
-  const double price = component == frac::Component::both ? -2.0 / 3 * std::log(2 * width * width)
-                                                          : -std::log(0.5 * std::numbers::pi * width);
-  return std::max(price, 0.0);
-}
 
 MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const std::array<double, 2>& masses,
                                const std::array<double, 2>& friction) {
@@ -86,7 +34,7 @@ MeasuredPoint without_friction(const MeasuredPoint& point, Output output, const 
   return result;
 }
 
-OutputCoefficients output_coefficients(const SceneVector& theta, Output output) {
+OutputCoefficients output_coefficients(const Coordinates& theta, Output output) {
   const double mass1 = std::exp(theta[0]);
   const double mass2 = std::exp(theta[1]);
   const double total = mass1 + mass2;
@@ -95,7 +43,7 @@ OutputCoefficients output_coefficients(const SceneVector& theta, Output output) 
   return {-1 / mass2, moving, {0, 1 / mass2}, {moving * mass2 / total, -moving * (1 + mass2 / total)}};
 }
 
-double gamma_at(const SceneVector& theta, const MeasuredPoint& point) {
+double gamma_at(const Coordinates& theta, const MeasuredPoint& point) {
   return std::exp(std::log(point.force) - theta[1] - theta[2] - 2 * std::log(point.omega));
 }
 
@@ -104,7 +52,7 @@ Complex point_value(const OutputCoefficients& coefficients, const MeasuredPoint&
   return (rigid + coefficients.moving * h) / (point.omega * point.omega);
 }
 
-double contact_angle(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+double contact_angle(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point) {
   return theta[4] * data.time_unit * point.omega;
 }
 
@@ -118,10 +66,10 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Scene
   };
   return {point_value(coefficients, point, response.h),
           {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution,
-           scale * coefficients.moving * data.time_unit * point.omega * response.by_contact}};
+           scale * coefficients.moving * data.time_unit * point.omega * response.by_contact, 0, 0}};
 }
 
-FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point) {
+FrictionGroups friction_groups(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point) {
   const double scale = data.force_unit / point.force;
   return {gamma_at(theta, point),
           contact_angle(theta, data, point),
@@ -130,12 +78,12 @@ FrictionGroups friction_groups(const SceneVector& theta, const SceneData& data, 
           {theta[first_friction] * scale, theta[first_friction + 1] * scale}};
 }
 
-Complex friction_value(const SceneVector& theta, const MeasuredPoint& point, Complex n) {
+Complex friction_value(const Coordinates& theta, const MeasuredPoint& point, Complex n) {
   const double inverse_mass = std::exp(-theta[0]) + std::exp(-theta[1]);
   return n * inverse_mass / (point.omega * point.omega);
 }
 
-PointGradient friction_gradient(const SceneVector& theta, const SceneData& data, const MeasuredPoint& point,
+PointGradient friction_gradient(const Coordinates& theta, const SceneData& data, const MeasuredPoint& point,
                                 const FrictionResponse& response) {
   const double scale = data.force_unit / point.force, share = 1 / (1 + std::exp(theta[0] - theta[1]));
   const auto value = [&](Complex n) { return friction_value(theta, point, n); };

@@ -2,61 +2,66 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "scene_solver.hpp"
-#include "scene_start.hpp"
 
 namespace backlash::detail {
 
-/// What the caller knows of the scene.
-struct KnownScene {
-  SceneBounds bounds;
-  FixedScene fixed;
-  FixedScene start;
-};
+/// -2 ln of odds of 150 to 1, up to which another scene is a rival.
+constexpr double rival_deviance = 10;
+/// Of a place worth an estimate, -2 ln of odds against the best one at most.
+constexpr double worth_settling = 100;
 
 struct SceneSearch {
   /// The estimate of greatest evidence; not usable when no start was.
   LocalScene best;
-  /// Other estimates whose odds against the best one are less than 150 to 1, best first.
+  /// Other estimates of which the best one has odds that are not beyond doubt, best first.
   std::vector<LocalScene> rivals;
   std::size_t starts = 0;
   std::size_t starts_at_best = 0;
 };
 
-/// Looks for the scene of greatest evidence: from the places that the law of -1/N gives, or the best places of a grid
-/// where the data have none, where data without irregular points are explained at once; else also from where the orbits
-/// of two impacts alone explain part of the data best, and from more places of a grid that knows the means of irregular
-/// motion.
-/// @param jumps  values of mass2 clearance, see scene_starts
-[[nodiscard]] SceneSearch search_scene(const SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
-                                       int threads);
+/// Follows places to the estimates of a family, and keeps the best.
+class SceneSearcher {
+ public:
+  /// @param family  stays with the caller
+  SceneSearcher(const SceneFamily& family, int threads) : family_(family), threads_(threads) {}
 
-struct ContactSearch {
-  SceneSearch scenes;
-  /// Twice the logarithm of the likelihood of the best scene over that of the best one with hard contacts; infinite
-  /// where there is none.  Points that neither explains say nothing.
-  double evidence;
+  /// Places looked at so far.
+  [[nodiscard]] std::size_t starts() const { return tried_; }
+
+  /// Estimates from starts, best first, without those that are not usable.
+  [[nodiscard]] std::vector<LocalScene> solve(const std::vector<Coordinates>& starts, Effort effort,
+                                              Motions motions) const;
+  /// The best places that are not near each other.
+  /// @param sorted  best first
+  /// @param worth   most by which the deviance may be above that of the best
+  [[nodiscard]] std::vector<Coordinates> places_of(const std::vector<LocalScene>& sorted, std::size_t most,
+                                                   double worth = std::numeric_limits<double>::infinity()) const;
+
+  /// Looks at starts, from whose best places settle() goes on.
+  void glance(const std::vector<Coordinates>& starts);
+  /// The best places seen so far, each followed to its estimate, best first.
+  [[nodiscard]] std::vector<LocalScene> settle();
+  /// Estimates from more starts, best first; those beside an estimate that is there already lead back to it.
+  void settle_too(const std::vector<Coordinates>& starts, std::vector<LocalScene>& settled);
+
+  /// Lets simulations tell what the best estimates do at points that they leave out, which may put another one first.
+  void explain(std::vector<LocalScene>& settled) const;
+  /// @param settled  best first
+  /// @param allowed  deviance of rivals above that of the best
+  [[nodiscard]] SceneSearch best_of(const std::vector<LocalScene>& settled, double allowed) const;
+
+ private:
+  const SceneFamily& family_;
+  int threads_;
+  std::vector<LocalScene> glances_;
+  std::size_t tried_ = 0;
 };
 
-/// Frees the time of a contact: from scenes with hard contacts and, where these do not describe the data, from longer
-/// contacts.
-/// @param known  with limits of the contact time
-/// @param hard  what search_scene() found
-[[nodiscard]] ContactSearch search_contact(const SceneData& data, const KnownScene& known, const SceneSearch& hard,
-                                           int threads);
-
-struct FrictionSearch {
-  SceneSearch scenes;
-  /// Twice the logarithm of the likelihood of the best scene over that of the best one without friction, as above.
-  double evidence;
-};
-
-/// Frees dry friction: from scenes without, and from where the law of -1/N puts scenes with some on either mass.
-/// @param known  with limits of friction
-/// @param without  what the searches above found
-[[nodiscard]] FrictionSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
-                                             int threads);
+/// Every point lies on its motion, and what is left of them is noise.
+[[nodiscard]] bool is_complete(const SceneFamily& family, const LocalScene& local);
 
 }  // namespace backlash::detail

@@ -32,7 +32,7 @@ struct Node {
 };
 
 struct RatedStart {
-  SceneVector theta;
+  Coordinates theta;
   double log_product;
   double cost;
 };
@@ -55,8 +55,8 @@ Masses shares_of(double total, std::optional<double> mass1, std::optional<double
   return {0.5 * total, 0.5 * total};
 }
 
-SceneVector scene(const Masses& masses, double log_product, double restitution, const SceneBounds& bounds) {
-  SceneVector theta{std::log(masses.mass1), std::log(masses.mass2), 0, restitution};
+Coordinates scene(const Masses& masses, double log_product, double restitution, const SceneBounds& bounds) {
+  Coordinates theta{std::log(masses.mass1), std::log(masses.mass2), 0, restitution, 0, 0, 0};
   theta[2] = log_product - theta[1];
   for (std::size_t k = 0; k < 4; ++k) theta[k] = std::clamp(theta[k], bounds.lower[k], bounds.upper[k]);
   return theta;
@@ -73,10 +73,10 @@ std::vector<std::size_t> rating_points(const SceneData& data) {
 }
 
 // The best that are not near each other.
-std::vector<SceneVector> best_apart(std::vector<RatedStart> rated, std::size_t count) {
+std::vector<Coordinates> best_apart(std::vector<RatedStart> rated, std::size_t count) {
   std::stable_sort(rated.begin(), rated.end(),
                    [](const RatedStart& one, const RatedStart& other) { return one.cost < other.cost; });
-  std::vector<SceneVector> starts;
+  std::vector<Coordinates> starts;
   std::vector<const RatedStart*> taken;
   for (const RatedStart& candidate : rated) {
     const bool is_near = std::any_of(taken.begin(), taken.end(), [&](const RatedStart* other) {
@@ -128,7 +128,7 @@ class NodeRater {
   };
 
   [[nodiscard]] RatedStart rate(const Node& node, std::vector<KnownPoint> known) const {
-    const SceneVector theta = scene(masses(node, known), node.log_product, node.restitution, bounds_);
+    const Coordinates theta = scene(masses(node, known), node.log_product, node.restitution, bounds_);
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     double cost = 0;
     for (const std::size_t i : points_) {
@@ -254,7 +254,7 @@ std::vector<double> log_products(const SceneData& data, const FixedScene& fixed,
 
 }  // namespace
 
-std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
+std::vector<Coordinates> scene_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
                                       const std::vector<double>& jumps, bool rate_irregular, std::size_t count) {
   const NodeRater rater(data, bounds, fixed);
   std::vector<RatedStart> rated;
@@ -308,7 +308,7 @@ class LawStarts {
       for (std::size_t k = 0; k < i; ++k) rate(friction, i, k);
     }
   }
-  [[nodiscard]] std::vector<SceneVector> best(std::size_t count) { return best_apart(std::move(rated_), count); }
+  [[nodiscard]] std::vector<Coordinates> best(std::size_t count) { return best_apart(std::move(rated_), count); }
 
  private:
   [[nodiscard]] MeasuredPoint point_of(std::size_t i, const Masses& masses, const Friction& friction) const {
@@ -354,7 +354,7 @@ class LawStarts {
       if (!groups) return;
     }
     const double log_product = std::log(groups->product);
-    SceneVector theta =
+    Coordinates theta =
         scene(masses_of(*groups), log_product, std::max(0.0, (groups->spread - 1) / (groups->spread + 1)), bounds_);
     const Masses masses = {std::exp(theta[0]), std::exp(theta[1])};
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
@@ -385,7 +385,7 @@ bool law_speaks(const SceneData& data) {
 
 }  // namespace
 
-std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
+std::vector<Coordinates> law_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
                                     std::size_t count) {
   if (!law_speaks(data)) return {};
   LawStarts starts(data, bounds, fixed);
@@ -393,12 +393,12 @@ std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bo
   return starts.best(count);
 }
 
-std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
+std::vector<Coordinates> rubbing_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
                                         std::size_t count) {
   // Powers of 4 up to what stops most motions.
   constexpr std::array<double, 3> shares = {0, 0.05, 0.2};
   LawStarts starts(data, bounds, fixed);
-  std::vector<SceneVector> places;
+  std::vector<Coordinates> places;
   for (const double of_drive : shares) {
     if (law_speaks(data)) {
       for (const double of_load : shares) starts.rate({of_load, of_drive});
@@ -408,7 +408,7 @@ std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds
     SceneData smooth = data;
     for (MeasuredPoint& point : smooth.points)
       point = without_friction(point, data.output, {1, 1}, {0, of_drive * data.force_unit});
-    for (SceneVector& place : scene_starts(smooth, bounds, fixed, {}, false, count / (shares.size() - 1))) {
+    for (Coordinates& place : scene_starts(smooth, bounds, fixed, {}, false, count / (shares.size() - 1))) {
       place[first_friction + 1] = of_drive;
       places.push_back(place);
     }

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scene_solver.hpp"
+#include "scene_model.hpp"
 
 namespace backlash::detail {
 
@@ -17,7 +17,7 @@ using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clear
 /// @param jumps  values of mass2 clearance for which the scene would jump where the data do, more nodes of the grid
 /// @param rate_irregular  where the scene is irregular points are compared with its mean there, from a table that takes
 ///                        some time to make; else they count as not explained at all
-[[nodiscard]] std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& bounds,
+[[nodiscard]] std::vector<Coordinates> scene_starts(const SceneData& data, const SceneBounds& bounds,
                                                     const FixedScene& fixed, const std::vector<double>& jumps,
                                                     bool rate_irregular, std::size_t count);
 
@@ -25,12 +25,12 @@ using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clear
 /// of x1, where both masses or the restitution are known, else of all pairs of points, rated by how well the orbits of
 /// two impacts of each explain the others.  Where two points share a motion with two symmetric impacts per period their
 /// scene is that of all such points.  Empty for x2 and for one component.
-[[nodiscard]] std::vector<SceneVector> law_starts(const SceneData& data, const SceneBounds& bounds,
+[[nodiscard]] std::vector<Coordinates> law_starts(const SceneData& data, const SceneBounds& bounds,
                                                   const FixedScene& fixed, std::size_t count);
 
 /// Places with dry friction: those that the law gives for points as masses without it would have them, of friction on
 /// either mass and on both, and for x2 and for one component the nodes of a grid, of friction on mass 2.
-[[nodiscard]] std::vector<SceneVector> rubbing_starts(const SceneData& data, const SceneBounds& bounds,
+[[nodiscard]] std::vector<Coordinates> rubbing_starts(const SceneData& data, const SceneBounds& bounds,
                                                       const FixedScene& fixed, std::size_t count);
 
 }  // namespace backlash::detail

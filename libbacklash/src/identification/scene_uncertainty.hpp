@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -11,27 +11,62 @@
 
 namespace backlash::detail {
 
-/// What the Fisher matrix at an estimate says of the parameters.
-struct SceneUncertainty {
-  std::array<SceneEstimate, 4> parameters;
-  std::array<SceneEstimate, 3> combinations;
-  std::vector<SceneEstimate> contact;   // see SceneIdentification; empty where the contact time is held at 0
-  std::vector<SceneEstimate> friction;  // of both masses; empty where both are held at 0
-  std::vector<std::string> free_directions;
-  /// One sentence per parameter at a limit beyond which the data pull it by more than their noise does.
-  std::vector<std::string> strained;
-  std::array<std::array<double, 4>, 4> covariance;
-  double condition;
-  std::size_t rank;  // directions determined, parameters at a bound among them
+/// What residuals are taken to scatter by.
+struct ResidualScatter {
+  double widening;        // factor on the standard errors
+  double least_variance;  // that the residuals count as, over their deviations
 };
-/// A contact time of 0 that may rise is no limit of the scene, but the hard contact: the other parameters' intervals
-/// hold for all contact times that the data allow.  So it is with friction.
-/// @param widening  factor on the standard errors
-/// @param least_variance  that the residuals count as, over their deviations
-/// @param data  tells the unit of the contact time, and which residuals are rounding
-[[nodiscard]] SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                                 const SceneVector& theta, double widening, double least_variance,
-                                                 const SceneData& data);
+
+/// What the Fisher matrix at an estimate says of the quantities that follow from its coordinates.
+/// Coordinates at an ideal of the family are no limit of the scene: the intervals of others hold for all values that
+/// the data allow them.
+class SceneUncertainty {
+ public:
+  /// @param family  stays with the caller
+  SceneUncertainty(const SceneFamily& family, const Coordinates& theta, const NormalEquations& equations,
+                   const ResidualScatter& scatter);
+
+  [[nodiscard]] const Coordinates& theta() const noexcept { return theta_; }
+  /// With its interval, whatever limits and fixed coordinates say of it.
+  [[nodiscard]] SceneEstimate open_estimate(const Quantity& quantity) const;
+  /// A quantity whose coordinates are all fixed is known; where one is at a limit nothing tells how far it might go.
+  [[nodiscard]] SceneEstimate estimate(const Quantity& quantity) const;
+  /// Of the directions that the Fisher matrix gives, as long as the standard errors are.  NaN beside a quantity without
+  /// one, 0 beside one that is fixed.
+  [[nodiscard]] std::vector<std::vector<double>> covariance(const std::vector<Quantity>& quantities) const;
+
+  /// One sentence per direction in the space of the coordinates that the data leave free.
+  [[nodiscard]] std::vector<std::string> free_directions() const;
+  /// One sentence per parameter at a limit beyond which the data pull it by more than their noise does.
+  [[nodiscard]] std::vector<std::string> strained() const;
+  [[nodiscard]] double condition() const noexcept { return condition_; }
+  /// Directions determined, coordinates at a limit among them.
+  [[nodiscard]] std::size_t rank() const noexcept { return rank_; }
+
+ private:
+  void decompose();
+  /// Gradient by the lengths of the columns.
+  [[nodiscard]] Eigen::VectorXd scaled(const std::vector<double>& gradient) const;
+  [[nodiscard]] double covariance_of(const Quantity& one, const Quantity& other) const;
+  [[nodiscard]] Eigen::MatrixXd jackknife() const;
+  [[nodiscard]] double pull(std::size_t at_limit) const;
+  [[nodiscard]] std::string direction_text(Eigen::Index direction) const;
+
+  const SceneFamily& family_;
+  Coordinates theta_;
+  NormalEquations equations_;
+  std::vector<bool> at_bound_;
+  std::vector<bool> inner_;      // free, and not at a limit
+  Eigen::VectorXd column_;       // lengths; 0 where the residuals see nothing
+  Eigen::VectorXd eigenvalues_;  // of the scaled matrix, the smallest first
+  Eigen::MatrixXd eigenvectors_;
+  std::vector<bool> is_free_;  // directions
+  std::size_t rank_ = 0;
+  double condition_ = 1;
+  double variance_ = 0;        // of the residuals, widened
+  double t_ = 0;               // half width of an interval in standard errors
+  Eigen::MatrixXd jackknife_;  // covariance, widened
+};
 
 /// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
 /// without an interval, as at a limit.
@@ -39,8 +74,5 @@ struct SceneUncertainty {
 
 /// Estimates with their 95 % intervals line by line, and the message.
 [[nodiscard]] std::string summary_of(std::span<const SceneEstimate> parameters, const std::string& message);
-
-/// Stretches the interval of an estimate over that of another one that explains the data nearly as well.
-void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate);
 
 }  // namespace backlash::detail

@@ -63,10 +63,10 @@ struct BodiesIdentification {
 ///
 /// The search begins with masses, clearance and restitution from the grid of identify_scene(), friction and springs at
 /// 1 and 20 % of the forces of inertia, and orders at 1 unless they have starts of their own.  What is known of an
-/// order should be given: over a short band mass, friction and its order take each other's place.  Coefficients are
-/// positive unless a lower limit below 0 is given; their intervals are symmetric all the same, and reach below 0 where
-/// the data show no friction.  Where fewer than twice as many residuals as parameters lie on the orbit nothing is
-/// estimated.
+/// order should be given: over a short band mass, friction and its order take each other's place.  Masses are positive;
+/// friction and springs, the coefficients that move no mass, are estimated from 0 on unless a lower limit below it is
+/// given, and the intervals of the others hold for all of it that the data allow, also where the estimate is 0.  Where
+/// fewer than twice as many residuals as parameters lie on the orbit nothing is estimated.
 /// @param options  constraints by the names in the formulas, clearance and restitution; contacts take no time and
 ///                 bodies have no dry friction
 /// @throws std::invalid_argument  as identify_scene() and LinearBodies; a formula that uses the names clearance or
