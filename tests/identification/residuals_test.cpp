@@ -114,6 +114,16 @@ TEST(ParameterMap, ThetaAndParametersAreOneToOne) {
   }
 }
 
+// Seven poles three decades below a band of five have a product of 10^56 times the size of a coefficient at its upper end.
+TEST(ParameterMap, SumsOverDistantPolesAreWithinReach) {
+  const frac::Structure structure("(b0 + b1 s)/((s/p1 + 1) (s/p2 + 1))");
+  const frac::detail::ParameterMap map(structure, {}, scale);
+  const std::vector<double> far = {1e56, -1e56, 1e-8, 1e-8};
+  const std::vector<double> back = map.to_user(map.to_theta(far));
+  ASSERT_EQ(back.size(), far.size());
+  for (std::size_t i = 0; i < back.size(); ++i) EXPECT_NEAR(back[i], far[i], 1e-14 * std::abs(far[i])) << i;
+}
+
 // Relative magnitude residuals are logarithms of the ratio, phase residuals its angle: closed forms for a model twice
 // the data and turned by half a radian.
 TEST(Residuals, FollowTheirDefinitions) {

@@ -20,6 +20,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // A coefficient may be this many factors e away from its natural unit: 26 decades to either side, beyond any data that
 // doubles can resolve and far from overflow in products of a few coefficients.
 constexpr double log_range = 60;
+// The same of what may have either sign.  Such are sums over products of many poles, of which each may lie decades below
+// the band: e^300 is reached by 20 poles that are six decades away.  Its square is a number still.
+constexpr double log_range_of_sums = 300;
 
 [[noreturn]] void reject(const std::string& name, const std::string& reason) {
   throw std::invalid_argument("parameter '" + name + "': " + reason);
@@ -288,7 +291,7 @@ void ParameterMap::limit_coefficient(const ParameterConstraint& constraint, cons
     entry.upper = upper < infinity ? std::log(upper) - unit : std::max(log_range, entry.lower + 2 * log_range);
     if (!(lower > 0)) entry.lower = std::min(entry.lower, entry.upper - 2 * log_range);
   } else {
-    const double widest = std::exp(log_range);
+    const double widest = std::exp(log_range_of_sums);
     entry.lower = std::max(lower * std::exp(-unit), -widest);
     entry.upper = std::min(upper * std::exp(-unit), widest);
   }
