@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is taken to be known of a system before its data are seen, and data with values that an instrument rounded to 0.
+#include "identification/verdict/assumptions.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -143,6 +145,38 @@ TEST(Stability, IsNotGivenUpForAnErrorThatAMeasurementMayHave) {
 // A resonance of fractional order just below the edge of stability: noise puts half of the optima beyond it, at nearly
 // the cost that the edge has.  The stable optimum costs no more than what one parameter takes from noise in a thousand
 // cases, chi^2 = 10.8 in units of the noise, over 2 n - 3 = 117 degrees of freedom.
+// A pole on the right leaves 1 % of the data, one on the left 5 %: evidence of 100 (0.05^2 - 0.01^2)/(2 0.01^2) = 1200,
+// where 27.6 is asked.  Where further poles were not tried it tells of their number.
+TEST(Stability, IsKeptBetweenTwoFamiliesThatWereCut) {
+  const auto data = support::noisy_response("1/(s + 1)", {}, 0.01, 1u, 50);
+  const auto competitor = [](double place, double rms, bool ends) {
+    frac::detail::Competitor each;
+    each.ranked.model = {"rational:0/1", "K/(s/p1 + 1)", frac::ModelClass::integer_order, "", {}};
+    each.ranked.model.ends_its_family = ends;
+    each.ranked.model_class = frac::ModelClass::integer_order;
+    each.ranked.fit.model = each.ranked.model.formula;
+    each.ranked.fit.parameters.resize(2);
+    each.ranked.fit.parameters[0].value = 1;
+    each.ranked.fit.parameters[1].value = place;
+    each.ranked.fit.free_parameters = 2;
+    each.ranked.fit.relative_rms = rms;
+    each.ranked.fit.termination = frac::FitTermination::converged;
+    for (int i = 0; i < 50; ++i) each.residual.insert(each.residual.end(), {i % 2 == 0 ? rms : -rms, 0});
+    return each;
+  };
+  for (const bool free_ends : {false, true}) {
+    for (const bool held_ends : {false, true}) {
+      const std::vector<frac::detail::Competitor> competitors = {competitor(-1, 0.01, free_ends),
+                                                                 competitor(1, 0.05, held_ends)};
+      frac::IdentificationResult result{};
+      for (const auto& each : competitors) result.ranking.push_back(each.ranked);
+      frac::detail::keep_to_assumptions(result, data, support::both_parts(), competitors);
+      EXPECT_EQ(result.chosen, free_ends && held_ends ? 1U : 0U) << free_ends << held_ends;
+      EXPECT_EQ(result.notes.size(), 1U);
+    }
+  }
+}
+
 TEST(Stability, OfATypedFormulaIsKeptWhereNoiseAloneSpeaksAgainstIt) {
   int beyond = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {

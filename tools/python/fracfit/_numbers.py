@@ -60,6 +60,8 @@ class IdentificationNumbers:
     verdict: str
     evidence: float
     departure_evidence: float
+    evidence_beside_smooth_error: float
+    departure_beside_smooth_error: float
     verdict_sentence: str
     notes: list[str]
     log10_odds: float

@@ -101,14 +101,15 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
   }
   const double evidence = candidates.against(*without, chosen);
   const std::string comparison = candidates.comparison(*without, chosen, evidence);
+  const bool spoken = evidence > count * price_of_assumption;
   const bool excluded = options.assumptions.stable == true && taken.unstable;
   // Of two families that were cut, further poles might bring the one without as close.
   const bool cut = candidates[chosen].ranked.model.ends_its_family && candidates[*without].ranked.model.ends_its_family;
-  if (evidence > count * price_of_assumption && !excluded && !cut) {
+  if (spoken && !excluded && !cut) {
     result.notes.push_back("The data speak for " + what + ": " + comparison + ".");
     return;
   }
-  const std::string though = cut ? ", though both have as many poles as are tried" : "";
+  const std::string though = spoken && cut ? ", but both have as many poles as are tried" : "";
   result.notes.push_back("Chosen is a model without " + what + ": " + comparison + though + ".");
   // What is chosen may follow a smooth error: that is no reason against what it is.
   choose(result, *candidates.best(chosen, keeps, [&](std::size_t i) { return criterion(candidates[i]); }));
