@@ -115,6 +115,30 @@ TEST(BodiesIdentification, FrictionMayVanish) {
   for (const std::size_t i : {0, 3, 4}) EXPECT_TRUE(found.parameters[i].identified) << found.parameters[i].name;
 }
 
+// Viscous friction that is allowed an order of 1.2 at least ends there: the order alone is at a limit, and the others,
+// whose units move with it, have the intervals that they have where it is fixed at that.
+TEST(BodiesIdentification, AnOrderAtItsLimitLimitsNothingElse) {
+  const BodiesStructure structure{frac::Structure("1/(m1 s^2 + b1 s^a)"), frac::Structure("1/(1.5 s^2 + 0.8 s)")};
+  auto curves = simulated(structure.bodies({1, 0.4, 1, 0.3, 0.6}), {20, 40}, 12.5, 20, 36, 8);
+  support::Random random(7003);
+  add_noise(curves, 0.001, random);
+  SceneIdentificationOptions options = one_thread();
+  options.constraints.push_back({"a", {}, 1.2, 1.8, {}});
+  const BodiesIdentification limited = identify_bodies(curves, structure, options);
+  options.constraints.back() = {"a", 1.2, {}, {}, {}};
+  const BodiesIdentification fixed = identify_bodies(curves, structure, options);
+  ASSERT_EQ(limited.parameters[2].name, "a");
+  EXPECT_TRUE(limited.parameters[2].at_bound);
+  for (const std::size_t i : {0, 1, 3, 4}) {
+    const backlash::SceneEstimate &own = limited.parameters[i], &other = fixed.parameters[i];
+    EXPECT_FALSE(own.at_bound) << own.name;
+    // Both searches end where a step is below a hundredth of a standard error.
+    EXPECT_NEAR(own.value, other.value, 0.02 * other.standard_error) << own.name;
+    // One degree of freedom of 28 and what it widens.
+    EXPECT_NEAR(own.standard_error / other.standard_error, 1, 0.1) << own.name;
+  }
+}
+
 // A spring with a damper, and friction of a fractional order, from the motion of the driven body.
 TEST(BodiesIdentification, FindsASpringAndFractionalFriction) {
   const BodiesStructure structure{frac::Structure("1/(2 s^2 + 3 s + k)"), frac::Structure("1/(m2 s^2 + c s^a)")};

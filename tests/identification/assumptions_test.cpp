@@ -142,9 +142,6 @@ TEST(Stability, IsNotGivenUpForAnErrorThatAMeasurementMayHave) {
   }
 }
 
-// A resonance of fractional order just below the edge of stability: noise puts half of the optima beyond it, at nearly
-// the cost that the edge has.  The stable optimum costs no more than what one parameter takes from noise in a thousand
-// cases, chi^2 = 10.8 in units of the noise, over 2 n - 3 = 117 degrees of freedom.
 // A pole on the right leaves 1 % of the data, one on the left 5 %: evidence of 100 (0.05^2 - 0.01^2)/(2 0.01^2) = 1200,
 // where 27.6 is asked.  Where further poles were not tried it tells of their number.
 TEST(Stability, IsKeptBetweenTwoFamiliesThatWereCut) {
@@ -177,6 +174,9 @@ TEST(Stability, IsKeptBetweenTwoFamiliesThatWereCut) {
   }
 }
 
+// A resonance of fractional order just below the edge of stability: noise puts half of the optima beyond it, at nearly
+// the cost that the edge has.  The stable optimum costs no more than what one parameter takes from noise in a thousand
+// cases, chi^2 = 10.8 in units of the noise, over 2 n - 3 = 117 degrees of freedom.
 TEST(Stability, OfATypedFormulaIsKeptWhereNoiseAloneSpeaksAgainstIt) {
   int beyond = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {

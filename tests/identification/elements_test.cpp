@@ -19,6 +19,7 @@
 #include "frac/identification/model_choice.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/element_growth.hpp"
+#include "identification/rational/family_members.hpp"
 #include "identification/relaxation/nonnegative.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
@@ -269,6 +270,24 @@ TEST(Elements, NoGrownSumComesBelowTheLeastOfAll) {
     EXPECT_GE(growth.fits.at(growth.chosen).cost, least * (1 - 0.0025)) << circuit.formula;
     EXPECT_NE(growth.reason.find("no sum of passive elements without resonance"), std::string::npos);
   }
+}
+
+// Noise leaves sqrt(1 - k/80) of its rms where k numbers follow it; 0.7 would be half of the 80 residuals.
+TEST(Elements, TheLeastOfAllIsInTheUnitOfTheResiduals) {
+  const auto data = support::noisy_response("3 + 2/(1 + s)", {}, 0.01, 3u, 40);
+  std::vector<std::complex<double>> in_milliohm;
+  for (const std::complex<double>& value : data.value()) in_milliohm.push_back(1000.0 * value);
+  frac::FitOptions options = relative();
+  options.weight = frac::Weight::absolute;
+  const auto least = frac::detail::least_rms_of_relaxations(data, options);
+  const auto scaled = frac::detail::least_rms_of_relaxations({data.omega(), in_milliohm}, options);
+  ASSERT_TRUE(least && scaled);
+  EXPECT_NEAR(*scaled / *least, 1000, 1e-6);
+  const double rms = frac::fit(data, frac::Structure("R0 + R1/(1 + T1 s)"), options).rms;
+  EXPECT_LE(*least, rms);
+  EXPECT_GT(*least, 0.7 * rms);
+  const auto few = support::noisy_response("3 + 2/(1 + s)", {}, 0.01, 3u, 4);
+  EXPECT_FALSE(frac::detail::least_rms_of_relaxations(few, options).has_value());
 }
 
 TEST(Elements, AreReadFromTheirName) {

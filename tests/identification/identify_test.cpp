@@ -342,6 +342,8 @@ TEST(Verdict, EvidenceBesideASmoothErrorPaysForNothingThatFollowsIt) {
   const double falls = std::pow(0.05 / error, 2) * 1e-6 / (1e-6 + 1e-4);
   EXPECT_NEAR(frac::detail::evidence_beside_smooth_error(all, 1).departing, beyond(5e-3) - falls, 1e-9 * of_ratio);
   EXPECT_TRUE(std::isnan(frac::detail::evidence_beside_smooth_error({}, 1).fractional));
+  all.resize(1);
+  EXPECT_TRUE(std::isnan(frac::detail::evidence_beside_smooth_error(all, 1).fractional));
 }
 
 TEST(Verdict, NeitherClassIsToldAgainstTheEvidenceBesideASmoothError) {

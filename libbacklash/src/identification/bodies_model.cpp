@@ -199,8 +199,10 @@ std::vector<Quantity> Bodies::parameters(const Coordinates& theta) const {
   }
   for (const auto& entry : map_.jacobian_entries(values))
     result[entry.parameter].gradient[entry.free] += entry.derivative;
-  for (std::size_t k = 0; k < theta.size(); ++k)
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    result[parameter_of(k)].own_coordinate = k;
     if (is_ideal(k)) result[parameter_of(k)].from_zero = true;
+  }
   return result;
 }
 

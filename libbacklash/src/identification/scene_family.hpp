@@ -123,6 +123,9 @@ struct Quantity {
   double value;
   std::vector<double> gradient;
   bool from_zero = false;  // no less than 0, where its interval ends
+  /// Whose limits are its own; without one, of all that it follows from.  A coefficient moves with an order too, in the
+  /// natural unit, and is at no limit where that is.
+  std::optional<std::size_t> own_coordinate = {};
 };
 
 class SceneUncertainty;

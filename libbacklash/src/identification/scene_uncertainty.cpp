@@ -228,7 +228,8 @@ SceneEstimate SceneUncertainty::estimate(const Quantity& quantity) const {
   for (std::size_t k = 0; k < theta_.size(); ++k) {
     if (quantity.gradient[k] == 0) continue;
     result.fixed = result.fixed && !family_.bounds().is_free(k);
-    result.at_bound = result.at_bound || (at_bound_[k] && !inner_[k]);
+    const bool limits = !quantity.own_coordinate || *quantity.own_coordinate == k;
+    result.at_bound = result.at_bound || (limits && at_bound_[k] && !inner_[k]);
   }
   if (result.fixed) {
     result.standard_error = 0;

@@ -287,7 +287,6 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
   Growth growth = grown_from_data(data, *from_data, options);
   if (family != GrowthFamily::elements) return growth;
   const std::optional<double> least = detail::least_rms_of_relaxations(data, options);
-  // Data that a sum meets more closely than its places lie have no bound to speak of.
   if (least && *least < growth.fits.at(growth.chosen).rms) {
     growth.reason.back() = ';';
     growth.reason += " no sum of passive elements without resonance, however many, comes below rms " +

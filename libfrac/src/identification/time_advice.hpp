@@ -28,7 +28,7 @@ struct HoldAdvice {
 /// Adds what is not yet among the advice.
 void add_advice(const std::vector<Advice>& more, std::vector<Advice>& advice);
 
-/// Says it in the verdict's sentence and as advice where a preset with a drift of the output, or with an input before
+/// Says it in the notes and as advice where a preset with a drift of the output, or with an input before
 /// the record, describes the record better than the ratio that was chosen without: poles of a ratio can follow a drift,
 /// which then stands in no residual.  Nothing where none does, or where a preset was chosen, whose own residuals would
 /// show it.

@@ -35,6 +35,8 @@ struct PassiveKind {
 /// resistors beside a capacitor and resistors beside an inductor at all times (Cole, Cole 1941; Fuoss, Kirkwood 1941),
 /// and so is every network of resistors with capacitors alone or inductors alone.  Modes are none.
 [[nodiscard]] double least_cost_of_relaxations(const TermProblem& problem);
+/// To what share of the data its times, an eighth of an e-fold apart, follow any between them.
+inline constexpr double relaxations_follow = 5e-4;
 
 /// The sum as a formula with start values, each gain positive.  Its name holds the circuit:
 /// "elements:L0+R0+(R1|CPE1)+Wo2", see ElementFamily.

@@ -80,6 +80,7 @@ Grown grown_family(const RationalProblem& problem, const RationalFamily& family,
   grown.fits = ladder.fits;
   const RationalFit& best = grown.chosen();
   members.exact = ladder.fits.back().cost <= problem.negligible_cost();
+  members.open_range = family.most_poles == RationalFamily{}.most_poles;
   if (!family.free_order) {
     members.relaxations = best.shape.relaxations();
     members.approximates = approximates(problem, ladder);
@@ -98,8 +99,9 @@ std::string share_of_data(const RationalProblem& problem, const RationalFit& fit
 
 /// The family with stable poles, unless nobody assumes them or the data speak against them.  Where the free family is
 /// unstable, its evidence is that against the stable member which the data speak against least: the chosen one may have
-/// parameters that follow a smooth error of the measurement, which are no reason against stability.  Where both families
-/// were cut, it tells of the number of poles and not of their places: further ones might bring the stable one as close.
+/// parameters that follow a smooth error of the measurement, which are no reason against stability.  Where both
+/// families were cut, it tells of the number of poles and not of their places: further ones might bring the stable one
+/// as close.
 /// @param with        makes the problem of the data with poles in a region
 /// @param stable      whether the system is, as far as somebody knows
 template <class Make>
@@ -199,9 +201,11 @@ FamilyMembers family_members(const TimeResponseData& data, const NamedModel& mod
 }
 
 std::optional<double> least_rms_of_relaxations(const FrequencyResponseData& data, const FitOptions& options) {
-  const TermProblem problem(data, rule_of(data, options));
+  const ResidualRule rule = rule_of(data, options);
+  const TermProblem problem(data, rule);
   if (passive_kind(problem).response != PassiveResponse::immittance) return std::nullopt;
-  return std::sqrt(least_cost_of_relaxations(problem) / static_cast<double>(problem.rows()));
+  const double least = std::sqrt(least_cost_of_relaxations(problem) / static_cast<double>(problem.rows()));
+  return least > relaxations_follow ? std::optional(least * rule.unit) : std::nullopt;
 }
 
 std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
@@ -212,11 +216,10 @@ std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& da
                              : problem.response(ladder.fits.at(ladder.chosen).shape);
 }
 
-FamilyMembers chosen_member(const NamedModel& model, FamilyMembers members) {
-  const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
+FamilyMembers chosen_member(FamilyMembers members) {
   const auto best_of = [&](FamilyMembers all) {
     NamedModel& best = all.models.at(all.chosen);
-    best.ends_its_family = open_range && all.is_cut();
+    best.ends_its_family = all.is_cut();
     all.models = {std::move(best)};
     all.chosen = 0;
     return all;

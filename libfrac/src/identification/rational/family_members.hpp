@@ -31,8 +31,9 @@ struct FamilyMembers {
   bool stands_in = false;  // with stable poles, for an unstable member
   bool passive = false;    // sums of passive elements
 
+  bool open_range = false;  // nobody has told how many poles there may be
   /// Whether the chosen one is the largest that was tried, and further poles might still pay.
-  [[nodiscard]] bool is_cut() const { return !exact && chosen > 0 && chosen + 1 == models.size(); }
+  [[nodiscard]] bool is_cut() const { return open_range && !exact && chosen > 0 && chosen + 1 == models.size(); }
 };
 
 /// An order departs from the whole numbers that is at least that far from each.
@@ -62,16 +63,17 @@ class RatioGrowths;  // see rational_growth.hpp
                                                                const FitOptions& options, RatioGrowths& ratios);
 
 /// The rms that no sum of passive elements without modes comes below, whatever their number, in the unit of
-/// FitResult::rms; nothing where the data are taken for a receptance, whose elements are modes.
+/// FitResult::rms; nothing where the data are taken for a receptance, whose elements are modes, or where it is less than
+/// the bound itself is known to, as that of data with fewer residuals than it has elements.
 [[nodiscard]] std::optional<double> least_rms_of_relaxations(const FrequencyResponseData& data,
                                                              const FitOptions& options);
 
 /// The chosen member alone, which knows whether it ends its family.
-[[nodiscard]] FamilyMembers chosen_member(const NamedModel& model, FamilyMembers members);
+[[nodiscard]] FamilyMembers chosen_member(FamilyMembers members);
 template <class Data>
 [[nodiscard]] FamilyMembers best_member(const Data& data, const NamedModel& model, const OptionsOf<Data>& options,
                                         RatioGrowths& ratios) {
-  return chosen_member(model, family_members(data, model, options, ratios));
+  return chosen_member(family_members(data, model, options, ratios));
 }
 
 }  // namespace frac::detail

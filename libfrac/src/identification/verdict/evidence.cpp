@@ -104,8 +104,7 @@ EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competi
                                                        std::size_t per_point) {
   const Competitor* closest = nullptr;
   const auto takes_part = [](const Competitor& each) {
-    return is_comparable(each) && !each.stands_in && !each.passive &&
-           each.ranked.fit.termination == FitTermination::converged;
+    return is_comparable(each) && !each.stands_in && !each.passive;
   };
   for (const Competitor& each : competitors) {
     if (takes_part(each) && (!closest || each.ranked.fit.relative_rms < closest->ranked.fit.relative_rms))
@@ -130,7 +129,10 @@ EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competi
     const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
     departing = std::min(departing, against + falls * share_of_noise(own, least));
   }
-  return {integer - fractional, integer - departing};
+  const auto compared = [&](double other) {
+    return std::isfinite(integer) && std::isfinite(other) ? integer - other : nan;
+  };
+  return {compared(fractional), compared(departing)};
 }
 
 }  // namespace frac::detail
