@@ -13,6 +13,8 @@
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/model_library.hpp"
 #include "frac/mittag_leffler.hpp"
+#include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "support/periodic_records.hpp"
 
 namespace {
@@ -73,6 +75,20 @@ frac::FitResult fit_of(const frac::NamedModel& member, const frac::TimeResponseD
   options.constraints = member.constraints;
   options.global_start = false;
   return frac::fit(data, frac::Structure(member.formula), options);
+}
+
+// A row of more than two real poles that a record without noise gives may stand for diffusion, whose faster and slower
+// poles the record does not see.  Two may not, and noise of a thousandth leaves no such closeness.
+TEST(TimeGrowth, ARowOfPolesFromARecordWithoutNoiseMayBeAnApproximation) {
+  const auto approximates = [](const frac::TimeResponseData& data) {
+    frac::detail::RatioGrowths ratios;
+    return frac::detail::family_members(data, frac::find_model("rational"), frac::TimeFitOptions{}, ratios)
+        .approximates;
+  };
+  const auto two_lags = [](double t) { return 1 - 2 * std::exp(-t / 2) + std::exp(-t); };
+  EXPECT_TRUE(approximates(step_record(three_lags, 10, 120, 1e-9, 1)));
+  EXPECT_FALSE(approximates(step_record(three_lags, 10, 120, 1e-3, 1)));
+  EXPECT_FALSE(approximates(step_record(two_lags, 10, 120, 1e-9, 1)));
 }
 
 TEST(TimeGrowth, FindsThreePoles) {

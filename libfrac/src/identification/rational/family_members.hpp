@@ -24,7 +24,8 @@ struct FamilyMembers {
   bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
   /// Whether the chosen one, of more than few_relaxations, follows data to 1e-4 or closer and came there as an
-  /// approximation does: residuals fell from pole to pole by about the same factor, and not at once.
+  /// approximation does: residuals fell from pole to pole by about the same factor, and not at once; of a record
+  /// always.
   bool approximates = false;
   /// Where the family came to an unstable member and to another one with stable poles, that which is not taken.
   std::shared_ptr<const FamilyMembers> set_aside = nullptr;
@@ -63,8 +64,8 @@ class RatioGrowths;  // see rational_growth.hpp
                                                                const FitOptions& options, RatioGrowths& ratios);
 
 /// The rms that no sum of passive elements without modes comes below, whatever their number, in the unit of
-/// FitResult::rms; nothing where the data are taken for a receptance, whose elements are modes, or where it is less than
-/// the bound itself is known to, as that of data with fewer residuals than it has elements.
+/// FitResult::rms; nothing where the data are taken for a receptance, whose elements are modes, or where it is less
+/// than the bound itself is known to, as that of data with fewer residuals than it has elements.
 [[nodiscard]] std::optional<double> least_rms_of_relaxations(const FrequencyResponseData& data,
                                                              const FitOptions& options);
 

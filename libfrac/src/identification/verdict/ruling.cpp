@@ -98,8 +98,9 @@ std::string against_integer_model(const IdentificationResult& result, const Comp
   // A ratio with enough poles follows any data.  One that needed all the poles it may have shows no integer order.
   if (pair.integer.ranked.model.ends_its_family) return ", but the integer-order one has as many poles as are tried";
   if (pair.integer.approximates) {
-    return ", but the residuals of the integer-order one fall evenly from pole to pole, as those of an approximation "
-           "do";
+    return ", but the integer-order one, a row of real poles, follows data without noise as an approximation of "
+           "another "
+           "system does";
   }
   return "";
 }
