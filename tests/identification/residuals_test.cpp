@@ -114,7 +114,8 @@ TEST(ParameterMap, ThetaAndParametersAreOneToOne) {
   }
 }
 
-// Seven poles three decades below a band of five have a product of 10^56 times the size of a coefficient at its upper end.
+// Seven poles three decades below a band of five have a product of 10^56 times the size of a coefficient at its upper
+// end.
 TEST(ParameterMap, SumsOverDistantPolesAreWithinReach) {
   const frac::Structure structure("(b0 + b1 s)/((s/p1 + 1) (s/p2 + 1))");
   const frac::detail::ParameterMap map(structure, {}, scale);

@@ -29,7 +29,8 @@ class SceneUncertainty {
   [[nodiscard]] const Coordinates& theta() const noexcept { return theta_; }
   /// With its interval, whatever limits and fixed coordinates say of it.
   [[nodiscard]] SceneEstimate open_estimate(const Quantity& quantity) const;
-  /// A quantity whose coordinates are all fixed is known; where one that limits it is at its limit nothing tells how far it might go.
+  /// A quantity whose coordinates are all fixed is known; where one that limits it is at its limit nothing tells how
+  /// far it might go.
   [[nodiscard]] SceneEstimate estimate(const Quantity& quantity) const;
   /// Of the directions that the Fisher matrix gives, as long as the standard errors are.  NaN beside a quantity without
   /// one, 0 beside one that is fixed.

@@ -20,8 +20,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // A coefficient may be this many factors e away from its natural unit: 26 decades to either side, beyond any data that
 // doubles can resolve and far from overflow in products of a few coefficients.
 constexpr double log_range = 60;
-// The same of what may have either sign.  Such are sums over products of many poles, of which each may lie decades below
-// the band: e^300 is reached by 20 poles that are six decades away.  Its square is a number still.
+// The same of what may have either sign.  Such are sums over products of many poles, of which each may lie decades
+// below the band: e^300 is reached by 20 poles that are six decades away.  Its square is a number still.
 constexpr double log_range_of_sums = 300;
 
 [[noreturn]] void reject(const std::string& name, const std::string& reason) {
