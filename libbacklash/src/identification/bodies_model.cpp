@@ -18,8 +18,6 @@ namespace {
 using Complex = std::complex<double>;
 using Kind = PointChoice::Kind;
 
-constexpr int most_rounds = 20;
-constexpr int most_iterations = 12;
 // Of central differences: the third derivative and the rounding of N, 1e-13, then leave about eight digits.
 constexpr double difference_step = 1e-4;
 

@@ -16,8 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 using Kind = PointChoice::Kind;
 
-constexpr int most_rounds = 20;
-constexpr int most_iterations = 12;
 // With contacts that take time more steps are refused where one of many motions ends nearby, until the point is left
 // out, and a round costs more.
 constexpr int most_iterations_with_contacts = 25, most_rounds_with_contacts = 8;

@@ -47,6 +47,8 @@ struct Pace {
   /// Kinks of N, or ends of motions nearby, stop the steps but not the estimate.
   bool has_kinks = false;
 };
+constexpr int most_rounds = 20;
+constexpr int most_iterations = 12;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 /// The last step where motions cost more or are known to fewer digits; far below what the intervals tell.
