@@ -125,7 +125,7 @@ double distance_from(const OrbitDiagram& diagram, std::complex<double> value) {
 TEST(CompliantOrbits, StableOnesAreWhatAnIntegrationSettlesOn) {
   support::Random random(11);
   int compared = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 8; ++i) {
     Machine m;
     m.mass2 = random.uniform(0.5, 2);
     m.force = m.clearance = 1;
@@ -155,7 +155,7 @@ TEST(CompliantOrbits, StableOnesAreWhatAnIntegrationSettlesOn) {
     ++compared;
     EXPECT_LT(distance_from(diagram, value), 1e-9) << i;
   }
-  EXPECT_GE(compared, 7);
+  EXPECT_GE(compared, 5);
 }
 
 // At a kink the orbit is the same from both sides. The wall that is just touched pushes with c d' at once, whatever its
