@@ -112,6 +112,26 @@ void evaluate_real_nodes(const Expression& expression, const double* parameters,
   }
 }
 
+std::vector<Node> used_nodes(const std::vector<Node>& nodes, int root) {
+  std::vector<bool> used(nodes.size(), false);
+  used[static_cast<std::size_t>(root)] = true;
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    if (!used[i]) continue;
+    if (nodes[i].left >= 0) used[static_cast<std::size_t>(nodes[i].left)] = true;
+    if (nodes[i].right >= 0) used[static_cast<std::size_t>(nodes[i].right)] = true;
+  }
+  std::vector<int> new_index(nodes.size(), -1);
+  std::vector<Node> kept;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!used[i]) continue;
+    new_index[i] = static_cast<int>(kept.size());
+    kept.push_back(nodes[i]);
+    if (kept.back().left >= 0) kept.back().left = new_index[static_cast<std::size_t>(kept.back().left)];
+    if (kept.back().right >= 0) kept.back().right = new_index[static_cast<std::size_t>(kept.back().right)];
+  }
+  return kept;
+}
+
 std::optional<double> literal_value(const std::vector<Node>& nodes, int index) {
   if (index < 0) return 0.0;
   const Node& node = nodes[static_cast<std::size_t>(index)];

@@ -65,6 +65,9 @@ struct Expression {
 /// The value of each node free of s at the given parameters; 0 for the others.
 void evaluate_real_nodes(const Expression& expression, const double* parameters, std::vector<double>& values);
 
+/// The nodes that one of them uses, itself as the last.
+[[nodiscard]] std::vector<Node> used_nodes(const std::vector<Node>& nodes, int root);
+
 /// Value of a node that holds neither s nor a parameter; empty for any other.
 [[nodiscard]] std::optional<double> literal_value(const std::vector<Node>& nodes, int index);
 

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "bounded_reciprocals.hpp"
 #include "program_workspace.hpp"
 #include "special/complex_functions.hpp"
 
@@ -20,7 +21,8 @@ constexpr double largest_whole_exponent = 1000;
 
 }  // namespace
 
-Program::Program(const Expression& expression) : parameter_count_(expression.parameter_names.size()) {
+Program::Program(const Expression& given) : parameter_count_(given.parameter_names.size()) {
+  const Expression expression = with_bounded_reciprocals(given);
   std::vector<int> slot;
   slot.reserve(expression.nodes.size());
   for (const Node& node : expression.nodes) {

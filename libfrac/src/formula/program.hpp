@@ -17,7 +17,7 @@ namespace frac::detail {
 /// arithmetic, the rest operation by operation on blocks of frequencies.  Gradients by reverse accumulation.
 class Program {
  public:
-  explicit Program(const Expression& expression);
+  explicit Program(const Expression& given);
 
   /// The first power that only the exact realisation can express: of a base that holds s and is no multiple of s, with
   /// an exponent that is no whole number.  Empty when there is none.
@@ -27,8 +27,8 @@ class Program {
   /// have been checked.
   void evaluate(std::span<const double> parameters, std::span<const double> omega, const Realisation& realisation,
                 std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
-  /// The same at s = modulus e^{j angle}, powers exact.
-  /// @param angle  0 to pi/2
+  /// The same at s = modulus e^{j angle}, powers exact and of principal values.
+  /// @param angle  0 to below pi
   void evaluate_on_ray(std::span<const double> parameters, double angle, std::span<const double> modulus,
                        std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
 

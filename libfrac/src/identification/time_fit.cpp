@@ -84,7 +84,7 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
     const double known = map.start()[i];
     values.push_back(std::isnan(known) ? (is_order ? 0.7 + 0.01 * static_cast<double>(i) : 0.5) : known);
   }
-  static_cast<void>(detail::reduce(structure.expression(), values, detail::Sensitivity::all));
+  static_cast<void>(detail::time_model(structure, values, detail::Sensitivity::all));
   const std::size_t free = map.free().size() + (options.offset ? 0 : 1);
   if (data.observed().size() < free) {
     throw std::invalid_argument(detail::counted(data.observed().size(), "sample") + " cannot determine " +
@@ -198,7 +198,7 @@ std::string unseen_model(const Structure& structure, const detail::ParameterMap&
                          const detail::Confidence& found, const std::vector<double>& theta) {
   if (map.free().empty()) return {};
   const double length = data.time()[data.observed().back()] - data.time().front();
-  const double delay = detail::reduce(structure.expression(), map.to_user(theta)).delay;
+  const double delay = dead_time(detail::time_model(structure, map.to_user(theta)));
   if (delay >= length) {
     return "The dead time of the model is " + detail::number_text(delay) + " s, no less than the record of " +
            detail::number_text(length) + " s: nothing of the input reaches the output.";
@@ -529,16 +529,16 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
   std::vector<std::size_t> all(data.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   const detail::RecordResponse response(data, all, detail::periodic_input(data));
+  const detail::TimeModel of_parameters = detail::time_model(structure, parameters);
   detail::EventResponse::Result model;
-  if (!response.evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model))
-    return output;
+  if (!response.evaluate(of_parameters, detail::finest_simulation, model)) return output;
   for (std::size_t i = 0; i < output.size(); ++i) {
     output[i] = model.value[static_cast<Eigen::Index>(i)] + offset + drift * (data.time()[i] - data.time().front());
   }
   if (result.earlier_input.empty()) return output;
   const std::vector<detail::EventResponse> steps = detail::earlier_steps(data, all);
   for (std::size_t k = 0; k < result.earlier_input.size(); ++k) {
-    if (!steps[k].evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model)) break;
+    if (!respond_to(of_parameters, steps[k], detail::finest_simulation, model)) break;
     for (std::size_t i = 0; i < output.size(); ++i) {
       output[i] += result.earlier_input[k] * model.value[static_cast<Eigen::Index>(i)];
     }

@@ -42,6 +42,10 @@ BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, A
   return best;
 }
 
+BranchCut cut_beside_negative_axis() {
+  return {0.75 * pi, 0.25 * pi};
+}
+
 double digits_beside_pole(double digits, double half_width, int multiplicity) {
   return digits + (multiplicity - 1) * std::log(digits / half_width);
 }
@@ -54,26 +58,31 @@ int largest_multiplicity(const LaplaceImage& image) {
 
 // A complex term costs as much as two real ones.
 CutRule::CutRule(const LaplaceImage& image, double earliest, double tolerance)
-    : cut_(best_cut(image, 0.7, 2, Avoided::crowded)) {
-  const std::vector<RootCluster>& poles = image.poles().clusters;
-  const double digits = digits_beside_pole(std::log(1 / tolerance) + 3, cut_.half_width, largest_multiplicity(image));
-  step_ = 2 * pi * 0.97 * cut_.half_width / digits;
-  const double fastest = std::log(digits / (-std::cos(cut_.angle) * earliest));
+    : CutRule(best_cut(image, 0.7, 2, Avoided::crowded), earliest, tolerance, largest_multiplicity(image)) {
   // Places the nodes as far from the poles as possible: beside a pole the weight of the node and the share of the
   // residue would both grow and cancel.
   constexpr int shifts = 16;
+  const double fastest = upper_;
   double farthest = -1;
   double best = fastest;
   for (int i = 0; i < shifts; ++i) {
     upper_ = fastest + step_ * i / shifts;
     double nearest = step_;
-    for (const RootCluster& pole : poles) nearest = std::min(nearest, distance(pole.log_s));
+    for (const RootCluster& pole : image.poles().clusters) nearest = std::min(nearest, distance(pole.log_s));
     if (nearest > farthest) {
       farthest = nearest;
       best = upper_;
     }
   }
   upper_ = best;
+}
+
+CutRule::CutRule(const BranchCut& cut, double earliest, double tolerance) : CutRule(cut, earliest, tolerance, 1) {}
+
+CutRule::CutRule(const BranchCut& cut, double earliest, double tolerance, int multiplicity) : cut_(cut) {
+  const double digits = digits_beside_pole(std::log(1 / tolerance) + 3, cut_.half_width, multiplicity);
+  step_ = 2 * pi * 0.97 * cut_.half_width / digits;
+  upper_ = std::log(digits / (-std::cos(cut_.angle) * earliest));
 }
 
 Complex CutRule::share(Complex log_s) const {

@@ -15,6 +15,9 @@ struct BranchCut {
   double half_width;
 };
 
+/// The ray in the middle between the imaginary axis and the negative one, where all poles may lie.
+[[nodiscard]] BranchCut cut_beside_negative_axis();
+
 /// Poles that the strip must not hold: all of them, or only multiple ones and those close to each other.
 enum class Avoided { all, crowded };
 
@@ -38,6 +41,8 @@ class CutRule {
  public:
   /// @param tolerance  what the rule errs by, relative to its largest parts
   CutRule(const LaplaceImage& image, double earliest, double tolerance);
+  /// Along a cut beside which there are no poles.
+  CutRule(const BranchCut& cut, double earliest, double tolerance);
 
   [[nodiscard]] double angle() const noexcept { return cut_.angle; }
   [[nodiscard]] double step() const noexcept { return step_; }
@@ -52,6 +57,8 @@ class CutRule {
   [[nodiscard]] double distance(std::complex<double> log_s) const;
 
  private:
+  CutRule(const BranchCut& cut, double earliest, double tolerance, int multiplicity);
+
   BranchCut cut_;
   double step_;
   double upper_;

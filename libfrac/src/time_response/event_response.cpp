@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "branch_cut.hpp"
+#include "cut_plane_model.hpp"
 #include "event_run.hpp"
 #include "exponential_sum.hpp"
 #include "exponential_terms.hpp"
@@ -73,6 +74,37 @@ void add_circles(const LaplaceImage& image, const CutRule* rule, SensitiveImage&
   }
 }
 
+/// Kept per thread, so that rows find memory there.
+SensitiveTerms& cleared_terms() {
+  thread_local SensitiveTerms terms;
+  terms.clear();
+  return terms;
+}
+
+/// Adds the nodes along the cut and the constants to the nodes on circles, and gives the plan all of them; false where
+/// a value is not finite.
+/// @param rule      null for an image without a branch cut
+/// @param image_at  H and its derivatives at ln s
+/// @param direct    what the output follows at once
+/// @param lowest    ln|s| of nodes that may count
+template <typename ImageAt>
+bool complete(EventPlan& plan, const CutRule* rule, const ImageAt& image_at, const std::vector<RootCluster>& poles,
+              const RealRow& direct, double latest, double lowest, double tolerance, SensitiveTerms& terms) {
+  double negligible = 0;
+  if (rule) {
+    const double largest =
+        append_cut_terms(*rule, image_at, latest, plan.integrators, lowest, 0.03 * rule->step() * tolerance, terms);
+    if (!std::isfinite(largest)) return false;
+    negligible = 1e-3 * rule->step() * tolerance * largest;
+  }
+  // Integrated again and again, fast terms would outgrow the response and cancel: see ExponentialSum.
+  if (plan.integrators > 0) make_direct(terms, latest, plan.integrators);
+  const auto constants = constants_of(terms, image_at, log_anchors(poles, latest, plan.integrators + 1), rule,
+                                      negligible, plan.integrators, plan.channels);
+  plan.take(terms, constants, direct);
+  return true;
+}
+
 }  // namespace
 
 EventResponse::EventResponse(std::vector<double> input_time, std::vector<double> input, Hold hold,
@@ -109,6 +141,12 @@ double EventResponse::shortest_lag(double delay) const {
   return shortest;
 }
 
+void EventResponse::set_nothing(Eigen::Index columns, Result& result) const {
+  const auto rows = static_cast<Eigen::Index>(output_time_.size());
+  result.value.setZero(rows);
+  result.gradient.setZero(rows, columns - 1);
+}
+
 std::optional<EventPlan> EventResponse::planned(double high_order, double low_order, double delay) const {
   if (high_order > 0 || !(low_order > -1.0 - static_cast<double>(most_integrators)) || !std::isfinite(delay) ||
       delay < 0) {
@@ -129,10 +167,8 @@ bool EventResponse::evaluate(const FractionalTransferFunction& model, double tol
                             ? model.numerator().front().coefficient / model.denominator().front().coefficient
                             : 0;
   const double latest = output_time_.back() - knots_.front().time - plan.delay;
-  const auto rows = static_cast<Eigen::Index>(output_time_.size());
   if (!(latest > 0)) {
-    result.value.setZero(rows);
-    result.gradient.setZero(rows, 0);
+    set_nothing(1, result);
     return true;
   }
   const LaplaceImage step(scaled(numerator_of(model), 1, static_cast<double>(plan.integrators)),
@@ -172,10 +208,8 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   }
 
   const double latest = output_time_.back() - knots_.front().time - ratio.delay;
-  const auto rows = static_cast<Eigen::Index>(output_time_.size());
   if (!(latest > 0)) {
-    result.value.setZero(rows);
-    result.gradient.setZero(rows, columns - 1);
+    set_nothing(columns, result);
     return true;
   }
   const LaplaceImage image(scaled(numerator, 1, m), denominator);
@@ -184,25 +218,33 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   std::optional<CutRule> rule;
   if (!is_rational(ratio) || !are_apart(image)) rule.emplace(image, shortest_lag(ratio.delay), tolerance);
   const CutRule* const along_cut = rule ? &*rule : nullptr;
-  const auto image_at = [&](Complex zeta) -> const ComplexRow& { return sensitive(zeta); };
-  // Kept per thread, so that rows find memory there.
-  thread_local SensitiveTerms terms;
-  terms.clear();
+  SensitiveTerms& terms = cleared_terms();
   add_circles(image, along_cut, sensitive, latest, tolerance, terms);
-  double negligible = 0;
-  if (rule) {
-    const double largest =
-        append_cut_terms(*rule, image_at, latest, plan.integrators, image.lowest_noticed(latest, tolerance),
-                         0.03 * rule->step() * tolerance, terms);
-    if (!std::isfinite(largest)) return false;
-    negligible = 1e-3 * rule->step() * tolerance * largest;
-  }
-  // Integrated again and again, fast terms would outgrow the response and cancel: see ExponentialSum.
-  if (plan.integrators > 0) make_direct(terms, latest, plan.integrators);
-  const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), along_cut,
-                                      negligible, plan.integrators, plan.channels);
-  plan.take(terms, constants, direct);
+  const auto image_at = [&](Complex zeta) -> const ComplexRow& { return sensitive(zeta); };
+  if (!complete(plan, along_cut, image_at, image.poles().clusters, direct, latest,
+                rule ? image.lowest_noticed(latest, tolerance) : 0, tolerance, terms))
+    return false;
   run_over_events(plan, knots_, output_time_, result);
+  return result.value.allFinite() && result.gradient.allFinite();
+}
+
+bool EventResponse::evaluate(CutPlaneModel model, double tolerance, Result& result) const {
+  std::optional<EventPlan> plan = planned(model.order_at_infinity(), model.order_at_origin(), 0);
+  if (!plan) return false;
+  const double latest = output_time_.back() - knots_.front().time;
+  if (!(latest > 0)) {
+    set_nothing(model.columns(), result);
+    return true;
+  }
+  const CutRule rule(cut_beside_negative_axis(), shortest_lag(0), tolerance);
+  ComplexRow row;
+  const auto image_at = [&](Complex zeta) -> const ComplexRow& {
+    row = std::exp(static_cast<double>(plan->integrators) * zeta) * model(zeta);
+    return row;
+  };
+  if (!complete(*plan, &rule, image_at, {}, model.at_infinity(), latest, -std::log(latest), tolerance, cleared_terms()))
+    return false;
+  run_over_events(*plan, knots_, output_time_, result);
   return result.value.allFinite() && result.gradient.allFinite();
 }
 

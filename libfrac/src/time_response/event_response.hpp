@@ -12,6 +12,7 @@
 
 namespace frac::detail {
 
+class CutPlaneModel;
 struct EventPlan;
 
 /// Response of a ratio of sums of powers at any instants to an input given at any instants, with its derivatives by the
@@ -38,6 +39,8 @@ class EventResponse {
   /// False where the model is zero, improper, has poles that could not be counted, or outgrows a double.
   /// @param tolerance  of the step response, relative to the sum of its parts
   [[nodiscard]] bool evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const;
+  /// The same of a formula without poles off the negative axis: the nodes lie along a cut before it.
+  [[nodiscard]] bool evaluate(CutPlaneModel model, double tolerance, Result& result) const;
   /// The values alone, from the sum of exponentials that filters use: a product keeps its factors, and poles that
   /// coincide cost no digits.
   [[nodiscard]] bool evaluate(const FractionalTransferFunction& model, double tolerance, Result& result) const;
@@ -46,6 +49,8 @@ class EventResponse {
   // Orders of the model at infinity and at the origin; empty where it is improper or integrates too often.
   [[nodiscard]] std::optional<EventPlan> planned(double high_order, double low_order, double delay) const;
   [[nodiscard]] double shortest_lag(double delay) const;
+  /// Nothing of the input has come by the last output.
+  void set_nothing(Eigen::Index columns, Result& result) const;
 
   std::vector<Knot> knots_;
   std::vector<double> output_time_;

@@ -170,7 +170,7 @@ ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose)
   std::vector<Exponential>& terms = sum.terms;
   const std::vector<RootCluster>& poles = image.poles().clusters;
   const std::vector<double> log_anchor =
-      log_anchors(image, latest, is_direct ? integrations + 1 : anchored_count(image));
+      log_anchors(poles, latest, is_direct ? integrations + 1 : anchored_count(image));
   const auto image_at = [&](Complex zeta) { return image.value(zeta, zeta); };
   if (has_whole_orders(image.numerator().terms) && has_whole_orders(image.denominator().terms)) {
     for (std::size_t k = 0; k < poles.size(); ++k) {
@@ -210,7 +210,7 @@ ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose)
 
 }  // namespace
 
-std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count) {
+std::vector<double> log_anchors(const std::vector<RootCluster>& poles, double latest, std::size_t count) {
   struct Candidate {
     double log_s, distance;
   };
@@ -220,7 +220,7 @@ std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::s
     const double offset = 0.8 * static_cast<double>((i + 1) / 2) * (i % 2 == 1 ? 1 : -1);
     const double log_s = offset - std::log(latest);
     double distance = 1;
-    for (const RootCluster& pole : image.poles().clusters) {
+    for (const RootCluster& pole : poles) {
       distance = std::min(distance, std::abs(pole.log_s - log_s) - pole.spread);
     }
     candidates.push_back({log_s, distance});

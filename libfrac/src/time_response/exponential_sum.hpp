@@ -47,6 +47,6 @@ enum class FastTerms { integrated, direct };
 
 /// Where constants are read from the image: ln s at `count` points of the positive axis at the scale of the horizon,
 /// away from poles.
-[[nodiscard]] std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count);
+[[nodiscard]] std::vector<double> log_anchors(const std::vector<RootCluster>& poles, double latest, std::size_t count);
 
 }  // namespace frac::detail

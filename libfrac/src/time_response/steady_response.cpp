@@ -117,7 +117,17 @@ bool SteadyResponse::evaluate(const RatioOfPowerSums& ratio, EventResponse::Resu
   const SensitiveTerm* const bottom = lowest(ratio.denominator);
   if (!top || !bottom || !std::isfinite(ratio.delay)) return false;
   SensitiveImage image(ratio, 0);
-  const Eigen::Index columns = image.columns();
+  return respond(value_at_origin(*top, *bottom), image, ratio.delay, ratio.delay_slope, result);
+}
+
+bool SteadyResponse::evaluate(CutPlaneModel model, EventResponse::Result& result) const {
+  return respond(model.at_origin().cast<Complex>(), model, 0, {}, result);
+}
+
+template <typename Image>
+bool SteadyResponse::respond(const ComplexRow& origin, Image& image, double delay, const Slope& delay_slope,
+                             EventResponse::Result& result) const {
+  const Eigen::Index columns = origin.size();
   std::vector<std::vector<Complex>> line(static_cast<std::size_t>(columns),
                                          std::vector<Complex>(sum_.lines(), Complex(0)));
   const auto place = [&](std::size_t k, const ComplexRow& row, Complex factor) {
@@ -129,17 +139,16 @@ bool SteadyResponse::evaluate(const RatioOfPowerSums& ratio, EventResponse::Resu
     }
     return finite;
   };
-  if (!place(0, value_at_origin(*top, *bottom), input_->line()[0])) return false;
-  const bool moves =
-      std::any_of(ratio.delay_slope.begin(), ratio.delay_slope.end(), [](double each) { return each != 0; });
+  if (!place(0, origin, input_->line()[0])) return false;
+  const bool moves = std::any_of(delay_slope.begin(), delay_slope.end(), [](double each) { return each != 0; });
   for (const std::size_t k : input_->excited()) {
     const double omega = input_->omega(k);
     const ComplexRow& row = image(Complex(std::log(omega), 0.5 * std::numbers::pi));
-    const Complex factor = input_->line()[k] * std::polar(1.0, -omega * ratio.delay);
+    const Complex factor = input_->line()[k] * std::polar(1.0, -omega * delay);
     if (!place(k, row, factor)) return false;
     if (!moves) continue;
-    for (std::size_t p = 0; p < ratio.delay_slope.size(); ++p) {
-      line[p + 1][k] -= Complex(0, omega * ratio.delay_slope[p]) * line[0][k];
+    for (std::size_t p = 0; p < delay_slope.size(); ++p) {
+      line[p + 1][k] -= Complex(0, omega * delay_slope[p]) * line[0][k];
     }
   }
   const auto rows = static_cast<Eigen::Index>(row_.size());

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "cut_plane_model.hpp"
 #include "event_response.hpp"
 #include "records/line_sum.hpp"
 
@@ -50,8 +51,15 @@ class SteadyResponse {
 
   /// False where the model is zero or not finite on a line.
   [[nodiscard]] bool evaluate(const RatioOfPowerSums& ratio, EventResponse::Result& result) const;
+  [[nodiscard]] bool evaluate(CutPlaneModel model, EventResponse::Result& result) const;
 
  private:
+  /// @param origin  at s = 0
+  /// @param image   without the dead time, at ln s
+  template <typename Image>
+  [[nodiscard]] bool respond(const ComplexRow& origin, Image& image, double delay, const Slope& delay_slope,
+                             EventResponse::Result& result) const;
+
   std::shared_ptr<const PeriodicInput> input_;
   std::vector<std::size_t> row_;  // of each output in what `sum_` computes: one period where that is whole
   LineSum sum_;

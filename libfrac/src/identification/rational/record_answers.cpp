@@ -59,9 +59,13 @@ Eigen::MatrixXd answer(const Drive<Response>& drive, const Part& part, const std
   for (std::size_t i = 0; i < order.size(); ++i) parameters[order[i]] = i < values.size() ? values[i] : *delay;
   if (sensitivity == Sensitivity::none) order.clear();
   Eigen::MatrixXd result = Eigen::MatrixXd::Constant(drive.outputs, 1 + static_cast<Index>(order.size()), nan);
-  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure, parameters, sensitivity);
   EventResponse::Result found;
-  if (!ratio || !drive.response.evaluate(*ratio, tolerance, found)) return result;
+  try {
+    if (!drive.response.evaluate(reduce(structure.expression(), parameters, sensitivity), tolerance, found))
+      return result;
+  } catch (const std::invalid_argument&) {
+    return result;
+  }
   result.col(0) = found.value;
   for (std::size_t i = 0; i < order.size(); ++i)
     result.col(1 + static_cast<Index>(i)) = found.gradient.col(static_cast<Index>(order[i]));

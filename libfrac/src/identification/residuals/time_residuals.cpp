@@ -43,9 +43,11 @@ RecordResponse::RecordResponse(const TimeResponseData& data, const std::vector<s
     : response_(periodic ? std::variant<EventResponse, SteadyResponse>(SteadyResponse(std::move(periodic), index))
                          : std::variant<EventResponse, SteadyResponse>(from_rest(data, index))) {}
 
-bool RecordResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, EventResponse::Result& result) const {
-  if (const auto* steady = std::get_if<SteadyResponse>(&response_)) return steady->evaluate(ratio, result);
-  return std::get<EventResponse>(response_).evaluate(ratio, tolerance, result);
+bool RecordResponse::evaluate(const TimeModel& model, double tolerance, EventResponse::Result& result) const {
+  if (const auto* steady = std::get_if<SteadyResponse>(&response_)) {
+    return std::visit([&](const auto& each) { return steady->evaluate(each, result); }, model);
+  }
+  return respond_to(model, std::get<EventResponse>(response_), tolerance, result);
 }
 
 std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std::vector<std::size_t>& index) {
@@ -64,15 +66,6 @@ std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std
                        output_time);
   }
   return steps;
-}
-
-std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
-                                         Sensitivity sensitivity) {
-  try {
-    return reduce(structure.expression(), parameters, sensitivity);
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
-  }
 }
 
 TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
@@ -118,11 +111,11 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
 bool TimeResiduals::simulate(std::span<const double> theta) const {
   if (theta_ && std::equal(theta.begin(), theta.end(), theta_->begin(), theta_->end())) return true;
   theta_.reset();
-  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
-  if (!ratio || !response_.evaluate(*ratio, tolerance_, model_)) return false;
+  const std::optional<TimeModel> model = time_model_if_any(structure_, map().to_user(theta));
+  if (!model || !response_.evaluate(*model, tolerance_, model_)) return false;
   if (!(model_.value.cwiseAbs().maxCoeff() <= largest_model_)) return false;
   for (std::size_t k = 0; k < earlier_.size(); ++k) {
-    if (!earlier_[k].evaluate(*ratio, tolerance_, earlier_model_[k])) return false;
+    if (!respond_to(*model, earlier_[k], tolerance_, earlier_model_[k])) return false;
   }
   theta_.emplace(theta.begin(), theta.end());
   return true;
@@ -275,7 +268,7 @@ TimeResiduals::Eliminated TimeResiduals::eliminated_at(std::span<const double> t
 }
 
 Eigen::MatrixXd TimeResiduals::possible_background(std::span<const double> theta) const {
-  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
+  const std::optional<TimeModel> model = time_model_if_any(structure_, map().to_user(theta));
   const std::vector<EventResponse> steps = earlier_steps(data_, index_);
   Eigen::MatrixXd columns(weight_.size(), 1 + static_cast<Eigen::Index>(steps.size()));
   for (Eigen::Index i = 0; i < weight_.size(); ++i) {
@@ -283,7 +276,7 @@ Eigen::MatrixXd TimeResiduals::possible_background(std::span<const double> theta
   }
   for (std::size_t k = 0; k < steps.size(); ++k) {
     EventResponse::Result response;
-    if (!ratio || !steps[k].evaluate(*ratio, tolerance_, response)) return {};
+    if (!model || !respond_to(*model, steps[k], tolerance_, response)) return {};
     columns.col(static_cast<Eigen::Index>(k) + 1) = weight_.array() * response.value.array();
   }
   whiten(columns);

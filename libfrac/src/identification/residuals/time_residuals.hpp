@@ -12,6 +12,7 @@
 #include "residuals.hpp"
 #include "time_response/event_response.hpp"
 #include "time_response/steady_response.hpp"
+#include "time_response/time_model.hpp"
 
 namespace frac::detail {
 
@@ -26,15 +27,11 @@ class RecordResponse {
   RecordResponse(const TimeResponseData& data, const std::vector<std::size_t>& index,
                  std::shared_ptr<const PeriodicInput> periodic);
   /// As EventResponse::evaluate(); a steady state is exact.
-  [[nodiscard]] bool evaluate(const RatioOfPowerSums& ratio, double tolerance, EventResponse::Result& result) const;
+  [[nodiscard]] bool evaluate(const TimeModel& model, double tolerance, EventResponse::Result& result) const;
 
  private:
   std::variant<EventResponse, SteadyResponse> response_;
 };
-
-/// The model as a ratio of sums of powers with derivatives; empty where it has no finite value.
-[[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
-                                                       Sensitivity sensitivity = Sensitivity::all);
 
 /// Parts of the output besides the response to the input, and how its noise follows itself; see TimeFitOptions.
 struct Background {

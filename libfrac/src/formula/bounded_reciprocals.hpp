@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "expression.hpp"
+
+namespace frac::detail {
+
+/// The same formula with the factors cosh z and sinh z of divisors as factors sech z and sech z coth z of the dividend,
+/// which no z makes overflow.
+[[nodiscard]] Expression with_bounded_reciprocals(const Expression& expression);
+
+}  // namespace frac::detail
