@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <optional>
 #include <tuple>
 
@@ -367,9 +369,59 @@ TEST(TimeFit, ManySamplesAreFittedInFull) {
   expect_values(result, {{"K", 2}, {"T", 1.5}, {"a", 0.6}}, 1e-9);
 }
 
+/// Output of a layer with its far side held, 0.3 + 2 tanh(sqrt(4 s))/sqrt(4 s), behind an input held between samples:
+/// the sum of its responses to steps, 2.3 - 4 sum of e^(-(k + 1/2)^2 pi^2 t/4)/((k + 1/2)^2 pi^2).
+TimeResponseData diffusion_record(double noise, support::Random& random) {
+  const std::vector<double> time = even_times(20, 201);
+  std::vector<double> input, output(time.size(), 0.7);
+  for (std::size_t i = 0; i < time.size(); ++i) input.push_back(i % 20 == 0 ? random.normal() : input.back());
+  const auto step = [](double t) {
+    double sum = 2.3;
+    for (int k = 0; k < 400; ++k) {
+      const double root = (k + 0.5) * std::numbers::pi;
+      sum -= 4 / (root * root) * std::exp(-root * root * t / 4);
+    }
+    return sum;
+  };
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    double before = 0;
+    for (std::size_t n = 0; n < i; n += 20) {
+      output[i] += (input[n] - before) * step(time[i] - time[n]);
+      before = input[n];
+    }
+    if (i % 20 == 0) output[i] += 0.3 * (input[i] - before);
+    output[i] += noise * random.normal();
+  }
+  return {time, input, output, {}, Hold::zero_order};
+}
+
+TEST(TimeFit, DiffusionWhichIsNoRatioComesBack) {
+  const Structure layer("R0 + R1 tanh(sqrt(T s))/sqrt(T s)");
+  support::Random random(12);
+  const TimeResponseData exact = diffusion_record(0, random);
+  const FitResult found = frac::fit(exact, layer);
+  expect_values(found, {{"R0", 0.3}, {"R1", 2}, {"T", 4}, {"offset", 0.7}}, 1e-9);
+  EXPECT_LT(found.relative_rms, 1e-12);
+  const std::vector<double> output = frac::fitted_output(found, exact);
+  for (std::size_t i = 0; i < output.size(); ++i) EXPECT_NEAR(output[i], exact.output()[i], 1e-11);
+  // Of 4 intervals in each of 30 trials 6 are missed on average, more than 14 with a chance below 1e-3.
+  int missed = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const FitResult noisy = frac::fit(diffusion_record(0.02, random), layer);
+    for (const auto& [name, value] : std::map<std::string, double>{{"R0", 0.3}, {"R1", 2}, {"T", 4}, {"offset", 0.7}}) {
+      const auto& each = estimate(noisy, name);
+      EXPECT_TRUE(each.identified) << name;
+      missed += each.ci95_lower <= value && value <= each.ci95_upper ? 0 : 1;
+    }
+  }
+  EXPECT_LE(missed, 14);
+}
+
 TEST(TimeFit, WhatCannotBeFittedIsSaid) {
   const TimeResponseData data = furnace_step();
-  expect_invalid_argument([&] { (void)frac::fit(data, Structure("K/(1 + (T s)^a)^b")); }, {"(1 + (T s)^a)^b"});
+  expect_invalid_argument([&] { (void)frac::fit(data, Structure("K exp(-L s)/(1 + T s)^b")); },
+                          {"(1 + T s)^b", "poles off the negative real axis"});
+  expect_invalid_argument([&] { (void)frac::fit(data, Structure("K tanh(T s)")); }, {"tanh(T s)"});
   expect_invalid_argument([&] { (void)frac::fit(data, Structure("offset/(s + 1)")); }, {"'offset'"});
   TimeFitOptions local;
   local.global_start = false;

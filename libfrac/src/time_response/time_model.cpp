@@ -2,6 +2,7 @@
 #include "time_model.hpp"
 
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "frac/no_ratio.hpp"
@@ -11,9 +12,11 @@ namespace frac::detail {
 TimeModel time_model(const Structure& structure, std::span<const double> parameters, Sensitivity sensitivity) {
   try {
     return reduce(structure.expression(), parameters, sensitivity);
-  } catch (const NoRatio&) {
+  } catch (const NoRatio& why) {
     std::optional<CutPlaneModel> other = CutPlaneModel::of(structure, parameters, sensitivity);
-    if (!other) throw;
+    if (!other)
+      throw NoRatio(std::string(why.what()) +
+                    "; nor can it be integrated as diffusion is, since it may have poles off the negative real axis");
     return *std::move(other);
   }
 }
