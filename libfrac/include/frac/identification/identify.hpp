@@ -118,17 +118,15 @@ struct DistributionRival {
 /// distribution   the same, but distributed relaxation times (DistributionRival) follow the data as well or better:
 ///                evidence against them is not above 10.
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
-///                NamedModel::ends_its_family), nor do residuals below 1e-4 of the data fall evenly from pole to pole
-///                (over time it has no more than two real poles and dead times where they are that small),
+///                NamedModel::ends_its_family), nor do residuals below 1e-4 of the data fall evenly from pole to pole,
 ///                and it predicts not worse by more than a twentieth, extrapolates not by more than a half (both a half
-///                where the fractional finalist has whole orders).  Departure evidence is below -8 (over time by ln n
-///                more, beside a smooth error not above 0), and by 16 more for each stable real pole and dead time of a
-///                ratio beyond two, because rows of these approximate fractional systems, also such as are among no
-///                candidates; evidence is below 2, or each order within 0.02 of a whole number.  Or both meet the data
-///                to rounding, and the integer-order one has no more parameters.  Where the integer-order one is the
-///                member of a family and no fractional family could grow, as over time, it may have no more parameters
-///                than the fractional one.  Half a decade at the ends is missed by no more than a hundred times the
-///                residuals.
+///                where the fractional finalist has whole orders).  Departure evidence is below -8 (beside a smooth
+///                error not above 0), and by 16 more for each stable real pole and dead time of a ratio beyond two,
+///                because rows of these approximate fractional systems, also such as are among no candidates; evidence
+///                is below 2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
+///                integer-order one has no more parameters.  Where the integer-order one is the member of a family and
+///                no fractional family could grow, as over time, it may have no more parameters than the fractional
+///                one.  Half a decade at the ends is missed by no more than a hundred times the residuals.
 /// undecided      anything else, with the next measurement that would decide.  So where one value in twenty repeats its
 ///                neighbour's, as by coarse rounding, and the better one has more parameters: it may follow the steps.
 ///
@@ -195,8 +193,8 @@ class NoCandidateFits : public std::runtime_error {
 [[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                                             const std::vector<FixedCurve>& curves, const FitOptions& options,
                                             int threads = 0);
-/// The same on samples of input and output.  A candidate that is no ratio of sums of powers is skipped, and so is one
-/// without a finite response to the input, such as a differentiator under a step.
+/// The same on samples of input and output.  A candidate that no fit over time takes is skipped, and so is one without
+/// a finite response to the input, such as a differentiator under a step.
 [[nodiscard]] IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
                                             const TimeFitOptions& options, int threads = 0);
 

@@ -44,18 +44,19 @@ struct TimeFitOptions {
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
 
-/// Fits a structure that reduces to a FractionalTransferFunction, orders and dead time too, to samples of input and
-/// output: least squares of (model - output)/sigma, sigma of the data or one unknown value.  The model is simulated
-/// exactly for the input as held, so that nothing is biased by the sampling; start values come from a fit to the
-/// Laplace transforms of input and output over the record.  Data of more than 500 samples are first fitted at every
-/// n-th output, the input always in full.
+/// Fits a structure, orders and dead time too, to samples of input and output: a ratio of sums of powers, or a formula
+/// without dead time whose singularities lie on the negative real axis alone, as those of diffusion and relaxations do
+/// (tanh(sqrt(T s))/sqrt(T s), 1/(1 + (T s)^a)^b).  Least squares of (model - output)/sigma, sigma of the data or one
+/// unknown value.  The model is simulated exactly for the input as held, so that nothing is biased by the sampling;
+/// start values come from a fit to the Laplace transforms of input and output over the record.  Data of more than 500
+/// samples are first fitted at every n-th output, the input always in full.
 /// Where the input does not change within the record and a constant of the model acts as the offset does, the offset
 /// is held at 0, and the message says so.  Without `trend` and `earlier_input` the residuals are tested for both (F
 /// test on residuals freed of the correlation of neighbours), and the message says what they show.
 /// An output that its offset explains alone cannot be fitted (no_usable_start); one that it explains as well, in the
 /// F test at 1 %, leaves every parameter of the model not identified.
 /// Frequencies in the result (centre_omega, ranges of coefficients) are those the record resolves.
-/// @throws std::invalid_argument  as fit(); a structure that is no ratio of sums of powers or has a parameter
+/// @throws std::invalid_argument  as fit(); a structure that is neither of these or has a parameter
 /// "offset" or "drift"; an output outside 1e-140 to 1e140, whose sums of squares leave double precision.
 [[nodiscard]] FitResult fit(const TimeResponseData& data, const Structure& structure,
                             const TimeFitOptions& options = {});

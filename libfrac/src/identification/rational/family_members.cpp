@@ -36,10 +36,6 @@ ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& option
 /// residuals fall by about the same factor with each pole, since the error of the best ratio of a function with a
 /// branch cut is C q^poles (Gonchar, Rakhmanov 1987), down to the rounding of the data, whatever its digits.  At the
 /// order of a true ratio they fall at once to that rounding.  Few real poles and dead times are no such approximation.
-///
-/// A record tells no such difference.  Diffusion through a layer is a row of real poles, of which those that are faster
-/// than its samples answer as a constant does and those that are slower than it as an integrator: a ratio with the few
-/// between is the same to rounding.
 bool approximates(const RationalProblem& problem, const RationalLadder& ladder) {
   constexpr double below_measurement = 1e-4;  // of the data
   constexpr double at_rounding = 2;           // times the residuals of the chosen member
@@ -47,7 +43,6 @@ bool approximates(const RationalProblem& problem, const RationalLadder& ladder) 
   const RationalFit& chosen = ladder.fits[ladder.chosen];
   const auto rms = [&](const RationalFit& fit) { return std::sqrt(fit.cost / static_cast<double>(problem.rows())); };
   if (chosen.shape.relaxations() <= few_relaxations || !(rms(chosen) <= below_measurement)) return false;
-  if (problem.is_of_record()) return true;
   double most_before = 0;
   for (std::size_t i = 1; i <= ladder.chosen; ++i) {
     const double fall = std::log(rms(ladder.fits[i - 1]) / rms(ladder.fits[i]));

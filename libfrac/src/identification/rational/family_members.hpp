@@ -24,8 +24,7 @@ struct FamilyMembers {
   bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
   /// Whether the chosen one, of more than few_relaxations, follows data to 1e-4 or closer and came there as an
-  /// approximation does: residuals fell from pole to pole by about the same factor, and not at once; of a record
-  /// always.
+  /// approximation does: residuals fell from pole to pole by about the same factor, and not at once.
   bool approximates = false;
   /// Where the family came to an unstable member and to another one with stable poles, that which is not taken.
   std::shared_ptr<const FamilyMembers> set_aside = nullptr;

@@ -93,7 +93,6 @@ class RationalProblem : public ProjectedData {
   /// Searches from the shape.  Poles change kind on the way.
   [[nodiscard]] RationalFit refine(const RationalShape& start, const Effort& effort) const;
   [[nodiscard]] Poles poles() const { return poles_; }
-  [[nodiscard]] bool is_of_record() const { return record_ != nullptr; }
   /// In units of 1/(middle of the band): a turn at the lower end, or as far as the spacing of the points tells.
   [[nodiscard]] double longest_delay() const { return longest_delay_; }
   /// Correlation of neighbouring residuals.

@@ -40,11 +40,9 @@ std::size_t relaxations_beyond_few(const Comparison& pair) {
   return std::max(pair.integer.relaxations, few_relaxations) - few_relaxations;
 }
 
-/// The evidence an integer-order finalist has to have against orders that depart.  Over time no candidate is a function
-/// of sqrt(s), as diffusion is, which has no order of its own: what stands in for it has paid for one.
+/// The evidence an integer-order finalist has to have against orders that depart.
 double evidence_to_refute(const Comparison& pair) {
-  const double stand_in = pair.over_time ? std::log(static_cast<double>(pair.integer.residual.size())) : 0;
-  return refuted_evidence - stand_in - price_of_relaxation * static_cast<double>(relaxations_beyond_few(pair));
+  return refuted_evidence - price_of_relaxation * static_cast<double>(relaxations_beyond_few(pair));
 }
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
@@ -55,9 +53,8 @@ std::string too_little_evidence(const IdentificationResult& result, const Compar
   const std::string departing = ", and evidence against orders that depart from whole numbers by " +
                                 four_digits(least_departure) + " is " + four_digits(-result.departure_evidence);
   if (result.departure_evidence < refuted_evidence) {
-    const std::string row = "a row of " + std::to_string(pair.integer.relaxations) +
-                            " real poles and dead times, which may approximate another fractional system,";
-    return departing + ", while " + (relaxations_beyond_few(pair) > 0 ? row : "a record") + " asks for " +
+    return departing + ", while a row of " + std::to_string(pair.integer.relaxations) +
+           " real poles and dead times, which may approximate another fractional system, asks for " +
            four_digits(-evidence_to_refute(pair));
   }
   const bool whole = result.evidence < refuted_evidence || pair.orders.departure > 0;
