@@ -49,15 +49,42 @@ std::string contact_text(const SceneIdentification& result, double longest) {
   return text + ".";
 }
 
-std::string friction_text(const SceneIdentification& result) {
+// Whether an interval excludes masses without friction.  A likelihood ratio alone may come from points that one of two
+// scenes leaves out.  The frictions may take each other's place, so that their sum is looked at too, which is 0 where
+// both are.
+bool excludes_none(const detail::FreeMasses& masses, const detail::LocalScene& scene, double least_variance) {
+  const detail::SceneUncertainty uncertainty(masses, scene.theta, detail::normal_equations(masses.data(), scene),
+                                             {1, least_variance});
+  const std::vector<detail::Quantity> of = masses.parameters(scene.theta);
+  const detail::Quantity &load = of[detail::first_friction], &drive = of[detail::first_friction + 1];
+  detail::Quantity sum = load;
+  sum.value += drive.value;
+  for (std::size_t k = 0; k < sum.gradient.size(); ++k) sum.gradient[k] += drive.gradient[k];
+  const auto excludes_zero = [&](const detail::Quantity& each) { return uncertainty.estimate(each).ci95_lower > 0; };
+  return excludes_zero(load) || excludes_zero(drive) || excludes_zero(sum);
+}
+
+// What was looked for beside scenes without friction.
+struct Friction {
+  std::size_t parameters = 0, residuals = 0;  // free ones of a scene with friction, and all of the data
+  bool is_found = false;                      // a scene with friction
+};
+
+std::string friction_text(const SceneIdentification& result, const Friction& friction) {
   using frac::detail::short_text;
-  if (result.friction.empty()) {
-    return result.friction_verdict == FrictionVerdict::none ? ""
-           : std::isnan(result.friction_evidence)
-               ? " Nowhere that was tried do enough points lie on a motion with friction, so that nothing is known of "
-                 "it."
-               : " The data do not tell friction from none, and the intervals hold for both.";
+  if (result.friction_verdict == FrictionVerdict::none) return "";
+  if (friction.parameters >= friction.residuals) {
+    return " The points are too few to know of friction: a scene with it has " + std::to_string(friction.parameters) +
+           " parameters that are free, the data have " + std::to_string(friction.residuals) + " residuals.";
   }
+  if (!friction.is_found) {
+    return " Nowhere that was tried do enough points lie on a motion with friction, so that nothing is known of it.";
+  }
+  const std::string undecided =
+      std::isnan(result.friction_evidence)
+          ? " Too few points lie on motions without friction to tell it from none, and the intervals hold for both"
+          : " The data do not tell friction from none, and the intervals hold for both";
+  if (result.friction.empty()) return undecided + ".";
   const auto& [load, drive] = std::array{result.friction[0], result.friction[1]};
   if (load.fixed && drive.fixed) return "";
   if (result.friction_verdict == FrictionVerdict::present) {
@@ -65,7 +92,7 @@ std::string friction_text(const SceneIdentification& result) {
            short_text(drive.value) + " N on mass 2 (twice the log likelihood ratio " +
            short_text(result.friction_evidence) + ").";
   }
-  std::string text = " The data do not tell friction from none, and the intervals hold for both";
+  std::string text = undecided;
   if (std::isfinite(load.ci95_upper) && std::isfinite(drive.ci95_upper)) {
     text += ": at most " + short_text(load.ci95_upper) + " N on mass 1 and " + short_text(drive.ci95_upper) +
             " N on mass 2";
@@ -75,13 +102,13 @@ std::string friction_text(const SceneIdentification& result) {
 
 // longest: as above
 std::string message_of(const SceneIdentification& result, const detail::SceneAnswer& answer, double longest,
-                       bool has_contacts) {
+                       const Friction& friction, bool has_contacts) {
   detail::MessageParts parts;
   parts.lists_rivals = true;
   parts.ends = !has_contacts;
   parts.of_family =
       has_contacts
-          ? contact_text(result, longest) + friction_text(result)
+          ? contact_text(result, longest) + friction_text(result, friction)
           : " The data do not tell the masses from ones that never touch, so that nothing counts as identified.";
   if (result.friction_verdict == FrictionVerdict::none)
     parts.of_misfit = " Dry friction, which was left out, may be why.";
@@ -91,7 +118,13 @@ std::string message_of(const SceneIdentification& result, const detail::SceneAns
 SceneIdentification nothing_found(const detail::KnownScene& known) {
   SceneIdentification result{};
   result.termination = frac::FitTermination::no_usable_start;
-  result.message = "No scene within the limits has steady motions at as many points as there are free parameters.";
+  const bool is_given =
+      std::all_of(known.fixed.begin(), known.fixed.end(), [](const auto& value) { return value.has_value(); });
+  result.message =
+      is_given
+          ? "No point lies on a steady motion of the given scene: it misses the data, unless it is irregular at all "
+            "of them."
+          : "No scene within the limits has steady motions at as many points as there are free parameters.";
   result.cost = result.rms = result.max_residual = result.condition = nan;
   for (std::size_t k = 0; k < 4; ++k) {
     result.parameters[k] = {std::string(detail::scene_names[k]), "",    nan,  nan, nan, nan,
@@ -188,7 +221,6 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   const detail::KnownScene rubbing = detail::known_scene(data, options);
   detail::KnownScene known = detail::frictionless(rubbing);
   const detail::KnownScene hard = detail::with_hard_contacts(known);
-  const std::size_t residuals = data.points.size() * data.residuals_per_point();
   detail::require_residuals(data, hard.bounds.free_count());
   const std::vector<double> jumps = detail::products_from_jumps(curves);
   detail::SceneSearch found = detail::search_scene(data, hard, jumps, options.threads);
@@ -211,11 +243,14 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   FrictionVerdict friction_verdict = rubs ? FrictionVerdict::undecided : FrictionVerdict::none;
   const detail::FreeMasses rubbing_masses(data, rubbing);
   detail::UndecidedScenes undecided{&rubbing_masses, {}};  // with friction that the data do not tell from none
-  if (rubs && residuals >= rubbing.bounds.free_count()) {
-    detail::WiderSearch rubbed = detail::search_friction(data, rubbing, found, options.threads);
-    if (rubbed.scenes.best.usable) {
+  Friction friction{rubbing.bounds.free_count(), data.points.size() * data.residuals_per_point()};
+  if (rubs && friction.residuals > friction.parameters) {
+    detail::WiderSearch rubbed = detail::search_friction(data, rubbing, known, found, options.threads);
+    friction.is_found = rubbed.scenes.best.usable;
+    if (friction.is_found) {
       friction_evidence = rubbed.evidence;
-      const bool is_told = rubbed.evidence > significant_friction;
+      const bool is_told = rubbed.evidence > significant_friction &&
+                           excludes_none(rubbing_masses, rubbed.scenes.best, options.sigma_is_measured ? 1 : 0);
       if (is_told) friction_verdict = FrictionVerdict::present;
       // A limit of friction that is given is one of the scene.
       const bool is_given = std::any_of(options.constraints.begin(), options.constraints.end(),
@@ -255,7 +290,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
                                   : estimates.contact.front().at_bound || (options.contact == ContactModel::compliant &&
                                                                            !(estimates.contact.front().value > 0));
     // Without a scene that has friction nothing is known of what it would change.
-    const bool is_friction_unknown = rubs && !detail::has_friction(known.bounds) && undecided.scenes.empty();
+    const bool is_friction_unknown = rubs && !friction.is_found;
     const auto any_at_bound = [](const auto& of) {
       return std::any_of(of.begin(), of.end(), [](const SceneEstimate& estimate) { return estimate.at_bound; });
     };
@@ -280,7 +315,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
                                {values[5].value, values[6].value},
                                std::exp(0.5 * (rival.deviance - found.best.deviance))});
     }
-    result.message = message_of(result, answer, longest, has_contacts);
+    result.message = message_of(result, answer, longest, friction, has_contacts);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
