@@ -85,17 +85,11 @@ double evidence_over(const LocalScene& narrow, LocalScene wide, const FreeMasses
   return of_narrow - of_wide;
 }
 
-// Where the scene of a wider family leads among scenes with these limits, which the search may have missed; by way of
-// hard contacts too, whose asymmetric orbits are in closed form.
-void add_beside(const SceneData& data, const KnownScene& known, const LocalScene& wide, SceneSearch& search,
-                int threads) {
-  const FreeMasses family(data, known), hard(data, with_hard_contacts(known));
-  const SceneSearcher searcher(family, threads), hard_searcher(hard, threads);
-  std::vector<Coordinates> starts = within(known.bounds, {wide.theta});
-  for (const LocalScene& scene : hard_searcher.solve(within(hard.bounds(), {wide.theta}), Effort::settle, Motions::all))
-    starts.push_back(within(known.bounds, {scene.theta}).front());
-  std::vector<LocalScene> beside = searcher.solve(starts, Effort::settle, Motions::all);
-  search.starts += starts.size();
+// Where the scene of a wider family leads within this one, which the search may have missed.
+void add_beside(const FreeMasses& family, const LocalScene& wide, SceneSearch& search, int threads) {
+  const SceneSearcher searcher(family, threads);
+  std::vector<LocalScene> beside = searcher.solve(within(family.bounds(), {wide.theta}), Effort::settle, Motions::all);
+  ++search.starts;
   if (beside.empty()) return;
   searcher.explain(beside);
   LocalScene& scene = beside.front();
@@ -187,7 +181,7 @@ WiderSearch search_friction(const SceneData& data, const KnownScene& known, cons
   WiderSearch result{searcher.best_of(settled, rival_deviance), std::numeric_limits<double>::infinity()};
   result.scenes.starts += without.starts;
   if (!result.scenes.best.usable) return result;
-  add_beside(data, smooth, result.scenes.best, without, threads);
+  add_beside(FreeMasses(data, smooth), result.scenes.best, without, threads);
   if (without.best.usable) result.evidence = evidence_over(without.best, result.scenes.best, family);
   return result;
 }
