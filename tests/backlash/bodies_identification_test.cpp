@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "backlash/loops/forced_bodies.hpp"
@@ -113,6 +114,38 @@ TEST(BodiesIdentification, FrictionMayVanish) {
   }
   EXPECT_EQ(found.parameters[1].ci95_lower, 0);
   for (const std::size_t i : {0, 3, 4}) EXPECT_TRUE(found.parameters[i].identified) << found.parameters[i].name;
+}
+
+// A spring that is not there, and may be below 0: beside it the drive has an orbit that nothing holds, so that the
+// search may find none that is settled on.  Rounding as in the first test.
+TEST(BodiesIdentification, LimitsBelowZeroLeaveAStart) {
+  const BodiesStructure structure{frac::Structure("1/(m1 s^2 + b1 s)"), frac::Structure("1/(1.5 s^2 + 0.8 s + k2)")};
+  const std::vector<double> values = {1, 0.4, 0, 0.3, 0.6};
+  const auto curves = simulated(structure.bodies(values), {20, 40}, 12.5, 20, 36, 8);
+  for (const double upper : {1.0, 1.5}) {
+    auto options = one_thread();
+    options.constraints.push_back({"k2", {}, -1.0, upper, {}});
+    const BodiesIdentification found = identify_bodies(curves, structure, options);
+    ASSERT_TRUE(found.usable()) << found.message;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      EXPECT_NEAR(found.parameters[i].value, values[i], 1e-9) << found.parameters[i].name;
+      EXPECT_EQ(found.parameters[i].identified, i != 2) << found.parameters[i].name;
+    }
+  }
+}
+
+TEST(BodiesIdentification, RefusesLimitsOfWhatCannotBeNegative) {
+  const auto curves = simulated(viscous.bodies(viscous_values), {40}, 12.5, 25, 35, 4);
+  const auto expect_refused = [&](const frac::ParameterConstraint& constraint, const std::vector<std::string>& parts) {
+    auto options = one_thread();
+    options.constraints.push_back(constraint);
+    expect_invalid_argument([&] { static_cast<void>(identify_bodies(curves, viscous, options)); }, parts);
+  };
+  expect_refused({"m1", {}, -1.0, 3.0, {}}, {"m1", "lower limit is -1", "0 or greater"});
+  expect_refused({"m1", {}, {}, -1.0, {}}, {"m1", "upper limit is -1", "positive"});
+  expect_refused({"clearance", {}, -1.0, 1.0, {}}, {"clearance", "lower limit is -1", "0 or greater"});
+  expect_refused({"clearance", 0.0, {}, {}, {}}, {"clearance", "fixed value is 0", "positive"});
+  expect_refused({"restitution", {}, {}, 1.5, {}}, {"restitution", "upper limit is 1.5", "[0, 1]"});
 }
 
 // Viscous friction that is allowed an order of 1.2 at least ends there: the order alone is at a limit, and the others,

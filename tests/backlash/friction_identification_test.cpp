@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -312,6 +313,38 @@ TEST(FrictionIdentification, WithoutFrictionTheAnswerIsOneWithoutWhoseIntervalsA
     EXPECT_GE(result.parameters[k].ci95_upper, without.parameters[k].ci95_upper);
     EXPECT_LE(result.parameters[k].ci95_lower, without.parameters[k].ci95_lower);
   }
+}
+
+// N of x1 of the scene above with hard contacts and without friction, three points at each force with noise of 1 % in
+// both parts.  The scene without friction leaves out so many of the first ones that six parameters meet the rest; of
+// the second ones it stands at another estimate than the scene with friction, which ends at none.
+TEST(FrictionIdentification, ThreePointsAtEachForceDoNotTellFriction) {
+  const std::vector<MeasuredDescribingFunction> few = {
+      {{{7, 9.1, 11.2}, {{-0.0110866, 0.00302799}, {-0.00639737, 0.00299752}, {-0.00630841, 0.00261734}}}, 10},
+      {{{14, 17.5, 21}, {{-0.002743, 0.000717011}, {-0.00205265, 0.000699068}, {-0.00164604, 0.000664432}}}, 40}};
+  const std::vector<MeasuredDescribingFunction> astray = {
+      {{{9, 11.7, 14.4}, {{-0.00645223, 0.00295055}, {-0.00602995, 0.0026457}, {-0.00474956, 0.0030136}}}, 10},
+      {{{18, 22.5, 27}, {{-0.00161351, 0.000736609}, {-0.00158463, 0.000641749}, {-0.00127193, 0.000706378}}}, 40}};
+  const auto compared = identify_scene(few, with_mass1({}));
+  EXPECT_EQ(compared.friction_verdict, FrictionVerdict::undecided) << compared.message;
+  EXPECT_TRUE(std::isnan(compared.friction_evidence)) << compared.friction_evidence;
+  EXPECT_NE(compared.message.find("Too few points"), std::string::npos) << compared.message;
+  const auto beside = identify_scene(astray, with_mass1({}));
+  EXPECT_EQ(beside.friction_verdict, FrictionVerdict::undecided) << beside.message;
+  EXPECT_TRUE(beside.friction.empty());
+}
+
+// Six residuals for mass2, clearance, restitution, contact time and both frictions: any friction may be, so that
+// nothing is known of the others either.
+TEST(FrictionIdentification, AsManyParametersAsResidualsAreSaid) {
+  support::Random random(6);
+  auto curves = measured({}, 3, 0, random);
+  curves.erase(curves.begin() + 1, curves.end());
+  const auto result = identify_scene(curves, with_mass1({}));
+  EXPECT_EQ(result.friction_verdict, FrictionVerdict::undecided) << result.message;
+  EXPECT_NE(result.message.find("6 parameters that are free, the data have 6 residuals"), std::string::npos)
+      << result.message;
+  for (std::size_t k = 1; k < 4; ++k) EXPECT_FALSE(result.parameters[k].identified) << result.message;
 }
 
 TEST(FrictionIdentification, AFixedFrictionIsHeldAndBadOnesAreRefused) {

@@ -610,6 +610,34 @@ TEST(SceneIdentification, AParameterAtItsLimitIsNotIdentified) {
   EXPECT_NE(result.message.find("pull restitution beyond its limit 0.5"), std::string::npos) << result.message;
 }
 
+// All parameters held, the data are compared with the scene: the true one describes them, a clearance that is 10 % off
+// moves N by several percent all along the curves, and with one ten times as large the masses do not meet at all.
+TEST(SceneIdentification, AGivenSceneIsComparedWithTheData) {
+  support::Random random(36);
+  const auto curves = measured(scene, band_lower, band_upper, 8, 0.01, random);
+  const auto compared = [&](double clearance) {
+    SceneIdentificationOptions options;
+    const std::array<double, 4> values = {1.5, 0.8, clearance, 0.6};
+    for (std::size_t k = 0; k < 4; ++k)
+      options.constraints.push_back(
+          {std::array{"mass1", "mass2", "clearance", "restitution"}[k], values[k], {}, {}, {}});
+    options.contact = backlash::ContactModel::hard;
+    return identify_scene(curves, options);
+  };
+  const auto says = [](const SceneIdentification& result, const char* words) {
+    return result.message.find(words) != std::string::npos;
+  };
+  const auto truth = compared(0.3);
+  EXPECT_TRUE(says(truth, "compared with the given scene, which describes them")) << truth.message;
+  const auto off = compared(0.33);
+  EXPECT_FALSE(off.misfits.empty());
+  EXPECT_TRUE(says(off, "The scene does not describe the data.")) << off.message;
+  for (const auto& misfit : off.misfits) EXPECT_TRUE(says(off, misfit.c_str())) << off.message;
+  const auto apart = compared(3);
+  EXPECT_FALSE(apart.usable());
+  EXPECT_TRUE(says(apart, "misses the data")) << apart.message;
+}
+
 TEST(SceneIdentification, SigmaWeighsThePoints) {
   support::Random random(9);
   auto curves = measured(scene, band_lower, band_upper, 30, 0.01, random);

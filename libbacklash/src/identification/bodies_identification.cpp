@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/check.hpp"
 #include "bodies_model.hpp"
 #include "frac/identification/constraints.hpp"
 #include "scene_answer.hpp"
@@ -23,6 +24,7 @@ namespace {
 using frac::detail::ParameterMap;
 using Values = std::vector<double>;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Places of the grid of masses, clearance and restitution, and what share of the forces of inertia friction and springs
 // begin with.
@@ -54,8 +56,40 @@ double mass_exponent(const BodiesStructure& structure, std::size_t body, const V
   return std::abs(exponent) > 1e-9 ? exponent : 0;
 }
 
+// Whether the mass of a body goes with a power of a parameter, of which 0 and less are then no body.
+bool is_mass(const BodiesStructure& structure, std::size_t body, const Values& values, std::size_t parameter) {
+  const double exponent = mass_exponent(structure, body, values, parameter);
+  if (exponent == 0) return false;
+  Values doubled = values;
+  doubled[parameter] *= 2;
+  return std::abs(mass_exponent(structure, body, doubled, parameter) - exponent) < 1e-9;
+}
+
+// Of a quantity that cannot be negative; limits without end say nothing.
+void check_values(frac::ParameterConstraint& constraint, bool may_vanish, double most, const char* allowed) {
+  const auto check = [&](const char* what, std::optional<double>& value, bool from_zero) {
+    if (value && std::isinf(*value)) value.reset();
+    if (!value || (*value <= most && (from_zero ? *value >= 0 : *value > 0))) return;
+    throw std::invalid_argument(constraint.name + ": " + what + " is " + detail::text(*value) + "; it must be " +
+                                (from_zero && !may_vanish ? "0 or greater" : allowed));
+  };
+  check("the fixed value", constraint.fixed, may_vanish);
+  check("the start", constraint.start, may_vanish);
+  check("the lower limit", constraint.lower, true);
+  check("the upper limit", constraint.upper, may_vanish);
+}
+
+// Of what it is not to lie beyond, or 1, where bodies can be looked at.
+double example_value(const frac::ParameterConstraint& constraint) {
+  if (constraint.fixed || constraint.start) return constraint.fixed ? *constraint.fixed : *constraint.start;
+  const double lower = std::max(0.0, constraint.lower.value_or(0)), upper = constraint.upper.value_or(infinity);
+  return upper > lower ? std::min(std::max(1.0, lower), upper) : 1;
+}
+
 std::vector<frac::ParameterConstraint> with_defaults(const BodiesStructure& structure, const frac::Structure& joint,
                                                      std::vector<frac::ParameterConstraint> constraints) {
+  check_values(frac::constraint_of(constraints, "restitution"), true, 1, "in [0, 1]");
+  check_values(frac::constraint_of(constraints, "clearance"), false, infinity, "positive");
   const auto limit = [&](const std::string& name, double lower, double upper) {
     frac::ParameterConstraint& each = frac::constraint_of(constraints, name);
     if (each.fixed) return;
@@ -67,22 +101,35 @@ std::vector<frac::ParameterConstraint> with_defaults(const BodiesStructure& stru
   Values values;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (joint.parameter_roles()[i] == frac::ParameterRole::order) limit(names[i], 0, largest_order);
-    const frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
-    values.push_back(each.fixed ? *each.fixed : each.start.value_or(1));
+    values.push_back(example_value(frac::constraint_of(constraints, names[i])));
   }
-  // Friction and springs may vanish, so that they are estimated from 0 on.  Masses and the clearance may not; a mass
-  // that stands alone, in 1/(m s^2), looks like a gain, which may have either sign.
+  // Masses and the clearance are positive; a mass that stands alone, in 1/(m s^2), looks like a gain, which may have
+  // either sign.  Friction and springs may vanish, so that they are estimated from 0 on; a limit below it allows for
+  // more.
   for (std::size_t i = 0; i < names.size(); ++i) {
     frac::ParameterConstraint& each = frac::constraint_of(constraints, names[i]);
-    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient || each.lower || each.fixed) continue;
-    const bool may_vanish = names[i] != "clearance" && mass_exponent(structure, 0, values, i) == 0 &&
-                            mass_exponent(structure, 1, values, i) == 0;
-    if (may_vanish)
-      each.lower = 0;
-    else
+    if (joint.parameter_roles()[i] != frac::ParameterRole::coefficient || names[i] == "restitution" || each.fixed)
+      continue;
+    const bool is_power = is_mass(structure, 0, values, i) || is_mass(structure, 1, values, i);
+    if (is_power) check_values(each, false, infinity, "positive");
+    if (is_power || names[i] == "clearance") {
       each.positive = true;
+      if (each.lower == 0.0) each.lower.reset();
+    } else if (!each.lower) {
+      const bool moves_mass =
+          mass_exponent(structure, 0, values, i) != 0 || mass_exponent(structure, 1, values, i) != 0;
+      if (moves_mass)
+        each.positive = true;
+      else
+        each.lower = 0;
+    }
   }
   return constraints;
+}
+
+bool may_be_negative(const frac::Structure& joint, std::size_t i, const frac::ParameterConstraint& constraint) {
+  return joint.parameter_roles()[i] == frac::ParameterRole::coefficient && constraint.lower && *constraint.lower < 0 &&
+         !(constraint.upper && *constraint.upper <= 0);
 }
 
 void check_names(const BodiesStructure& structure) {
@@ -103,9 +150,11 @@ class Starts {
          const detail::SceneData& data, std::vector<double> jumps)
       : structure_(structure), joint_(joint), map_(map), data_(data), jumps_(std::move(jumps)) {
     Values theta;
-    // In their natural units, away from the limits.
-    for (const ParameterMap::Free& free : map.free())
-      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, free.lower, 0.5 * (free.lower + free.upper)));
+    // In their natural units, away from the limits, and above 0 where they may be.
+    for (const ParameterMap::Free& free : map.free()) {
+      const double lower = free.logarithmic || !(free.upper > 0) ? free.lower : std::max(free.lower, 0.0);
+      theta.push_back(std::clamp(free.logarithmic ? 0.0 : 1.0, lower, 0.5 * (lower + free.upper)));
+    }
     base_ = detail::values_at(map, theta);
     for (std::size_t i = 0; i < base_.size(); ++i) {
       if (joint.parameter_roles()[i] == frac::ParameterRole::order) base_[i] = 1;
@@ -215,23 +264,48 @@ class Starts {
   std::array<Body, 2> bodies_;
 };
 
-// Places are compared over some of the points and with every orbit that exists, since motions cost much.
-detail::SceneSearch search(const detail::Bodies& scouted, const detail::Bodies& bodies,
-                           const std::vector<Values>& starts, int threads) {
-  const detail::SceneSearcher scouts(scouted, threads), searcher(bodies, threads);
-  const std::vector<Values> places = scouts.places_of(
-      scouts.solve(starts, detail::Effort::glance, detail::Motions::all), settled_places, detail::worth_settling);
-  detail::SceneSearch found =
-      searcher.best_of(searcher.solve(places, detail::Effort::settle, detail::Motions::all), detail::rival_deviance);
-  found.starts = starts.size();
-  return found;
-}
+// The estimate within constraints.
+class BodiesSearch {
+ public:
+  BodiesSearch(const BodiesStructure& structure, const frac::Structure& joint, const detail::SceneData& data,
+               const std::vector<frac::ParameterConstraint>& constraints)
+      : map_(joint, constraints, scale_of(data)), bodies_(structure, data, joint, map_) {
+    detail::require_residuals(data, map_.free().size());
+  }
+  BodiesSearch(const BodiesSearch&) = delete;
+  BodiesSearch& operator=(const BodiesSearch&) = delete;
 
-BodiesIdentification nothing_found(const frac::Structure& joint) {
+  // Places are compared over some of the points and with every orbit that exists, since motions cost much.
+  void run(const BodiesStructure& structure, const frac::Structure& joint, const std::vector<double>& jumps,
+           int threads) {
+    const std::vector<Values> starts = Starts(structure, joint, map_, bodies_.data(), jumps).all();
+    const detail::SceneData few = detail::thinned(bodies_.data(), scouting_points);
+    const detail::Bodies scouted(structure, few, joint, map_);
+    const detail::SceneSearcher scouts(scouted, threads), searcher(bodies_, threads);
+    const std::vector<Values> places = scouts.places_of(
+        scouts.solve(starts, detail::Effort::glance, detail::Motions::all), settled_places, detail::worth_settling);
+    found_ =
+        searcher.best_of(searcher.solve(places, detail::Effort::settle, detail::Motions::all), detail::rival_deviance);
+    found_.starts = starts.size();
+  }
+
+  [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
+  [[nodiscard]] const detail::Bodies& bodies() const noexcept { return bodies_; }
+  [[nodiscard]] const detail::SceneSearch& found() const noexcept { return found_; }
+
+ private:
+  ParameterMap map_;
+  detail::Bodies bodies_;
+  detail::SceneSearch found_;
+};
+
+BodiesIdentification nothing_found(const frac::Structure& joint, bool is_given) {
   BodiesIdentification result{};
   result.termination = frac::FitTermination::no_usable_start;
-  result.message =
-      "nowhere that was tried do enough points lie on a symmetric orbit of two impacts; give starts by what is known";
+  result.message = is_given ? "No point lies on a symmetric orbit of two impacts of the given scene, with which alone "
+                              "points are compared."
+                            : "nowhere that was tried do enough points lie on a symmetric orbit of two impacts; give "
+                              "starts by what is known";
   for (const std::string& name : joint.parameter_names()) {
     result.parameters.push_back({name, "", nan, nan, nan, nan, false, false, false});
   }
@@ -270,27 +344,44 @@ BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunctio
         "contact is compliant; of bodies with receptances contacts take no time, and only auto or hard is allowed");
   const detail::SceneData data = detail::scene_data(curves, options, detail::LoadAtRest::kept);
   const frac::Structure joint = detail::joint_structure(structure);
-  const ParameterMap map(joint, with_defaults(structure, joint, options.constraints), scale_of(data));
-  detail::require_residuals(data, map.free().size());
-  const Starts starts(structure, joint, map, data, detail::products_from_jumps(curves));
-  const detail::SceneData few = detail::thinned(data, scouting_points);
-  const detail::Bodies scouted(structure, few, joint, map), bodies(structure, data, joint, map);
-  const detail::SceneSearch found = search(scouted, bodies, starts.all(), options.threads);
+  const std::vector<double> jumps = detail::products_from_jumps(curves);
+  std::vector<frac::ParameterConstraint> constraints = with_defaults(structure, joint, options.constraints);
+  BodiesSearch as_given(structure, joint, data, constraints);
+  as_given.run(structure, joint, jumps, options.threads);
+  // Bodies with friction or springs below 0 may have an orbit that none settles on.  Where the search goes there and
+  // finds no motion, those from 0 on are what is left.
+  std::optional<BodiesSearch> from_zero;
+  if (!as_given.found().best.usable) {
+    bool is_other = false;
+    for (std::size_t i = 0; i < joint.parameter_names().size(); ++i) {
+      frac::ParameterConstraint& each = frac::constraint_of(constraints, joint.parameter_names()[i]);
+      if (!may_be_negative(joint, i, each)) continue;
+      each.lower = 0;
+      is_other = true;
+    }
+    if (is_other) {
+      from_zero.emplace(structure, joint, data, constraints);
+      from_zero->run(structure, joint, jumps, options.threads);
+    }
+  }
+  const BodiesSearch& search = from_zero ? *from_zero : as_given;
+  const detail::SceneSearch& found = search.found();
 
-  BodiesIdentification result = nothing_found(joint);
+  BodiesIdentification result = nothing_found(joint, search.map().free().empty());
   result.starts = found.starts;
   if (found.best.usable) {
-    detail::SceneAnswer answer = detail::answer_of(bodies, found, options.sigma_is_measured);
+    detail::SceneAnswer answer = detail::answer_of(search.bodies(), found, options.sigma_is_measured);
     const bool at_limit = std::any_of(answer.estimates.begin(), answer.estimates.end(),
                                       [](const SceneEstimate& estimate) { return estimate.at_bound; });
     if (!answer.misfits.empty() || !answer.converged || at_limit) detail::take_back(answer.estimates);
     detail::fill_in(answer, found, result);
     result.parameters = answer.estimates;
     result.covariance = answer.covariance;
-    result.bodies = structure.bodies(detail::values_at(map, found.best.theta));
+    result.bodies = structure.bodies(detail::values_at(search.map(), found.best.theta));
     detail::MessageParts parts;
     if (answer.points_used < answer.points.size())
       parts.of_family = " Points are compared with the symmetric orbit of two impacts alone.";
+    if (from_zero) parts.of_family += " With friction or springs below 0 no steady motion was found.";
     result.message = detail::message_of(answer, result.parameters, parts);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "scene_evidence.hpp"
 
@@ -78,7 +80,27 @@ double evidence_over(const LocalScene& narrow, LocalScene wide, const FreeMasses
   const auto deviance = [&](const LocalScene& scene) {
     return scene_evidence(family.data(), scene.choices, family.free_count(), scene.motions->accuracy()).deviance;
   };
-  return deviance(narrow) - deviance(wide);
+  const double of_narrow = deviance(narrow), of_wide = deviance(wide);
+  if (!std::isfinite(of_narrow) || !std::isfinite(of_wide)) return std::numeric_limits<double>::quiet_NaN();
+  return of_narrow - of_wide;
+}
+
+// Where the scene of a wider family leads within this one, which the search may have missed.
+void add_beside(const FreeMasses& family, const LocalScene& wide, SceneSearch& search, int threads) {
+  const SceneSearcher searcher(family, threads);
+  std::vector<LocalScene> beside = searcher.solve(within(family.bounds(), {wide.theta}), Effort::settle, Motions::all);
+  ++search.starts;
+  if (beside.empty()) return;
+  searcher.explain(beside);
+  LocalScene& scene = beside.front();
+  const auto is_same = [&](const LocalScene& other) { return family.agree(scene.theta, other.theta, same_estimate); };
+  if (search.best.usable && (is_same(search.best) || !(scene.deviance < search.best.deviance))) return;
+  std::erase_if(search.rivals, is_same);
+  if (search.best.usable) search.rivals.insert(search.rivals.begin(), std::move(search.best));
+  search.best = std::move(scene);
+  search.starts_at_best = 1;
+  std::erase_if(search.rivals,
+                [&](const LocalScene& rival) { return !(rival.deviance < search.best.deviance + rival_deviance); });
 }
 
 // The places at which orbits of two longer contacts, in closed form, explain the data best.
@@ -147,17 +169,20 @@ WiderSearch search_contact(const SceneData& data, const KnownScene& known, const
   return result;
 }
 
-WiderSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without, int threads) {
+WiderSearch search_friction(const SceneData& data, const KnownScene& known, const KnownScene& smooth,
+                            SceneSearch& without, int threads) {
   const FreeMasses family(data, known);
   SceneSearcher searcher(family, threads);
   std::vector<LocalScene> settled;
   searcher.settle_too(places_of(searcher, without, known.bounds), settled);
   const auto rubbing = rubbing_starts(data, known.bounds, known.fixed, rubbing_pursued);
   searcher.settle_too(within(known.bounds, rubbing), settled);
+  std::erase_if(settled, [](const LocalScene& local) { return !std::isfinite(local.deviance); });
   WiderSearch result{searcher.best_of(settled, rival_deviance), std::numeric_limits<double>::infinity()};
   result.scenes.starts += without.starts;
-  if (without.best.usable && result.scenes.best.usable)
-    result.evidence = evidence_over(without.best, result.scenes.best, family);
+  if (!result.scenes.best.usable) return result;
+  add_beside(FreeMasses(data, smooth), result.scenes.best, without, threads);
+  if (without.best.usable) result.evidence = evidence_over(without.best, result.scenes.best, family);
   return result;
 }
 

@@ -20,7 +20,8 @@ namespace backlash::detail {
 struct WiderSearch {
   SceneSearch scenes;
   /// Twice the logarithm of the likelihood of the best scene over that of the best one of the other family; infinite
-  /// where there is none.  Points that neither explains say nothing.
+  /// where there is none, NaN where either has no more residuals than the wider family has parameters, which nearly
+  /// anything meets.  Points that neither explains say nothing.
   double evidence;
 };
 
@@ -32,9 +33,12 @@ struct WiderSearch {
                                          int threads);
 
 /// Frees dry friction: from scenes without, and from where the law of -1/N puts scenes with some on either mass.
+/// Scenes with as many parameters as residuals are no scenes here.
 /// @param known  with limits of friction
-/// @param without  what the searches above found
-[[nodiscard]] WiderSearch search_friction(const SceneData& data, const KnownScene& known, const SceneSearch& without,
-                                          int threads);
+/// @param smooth  the same without friction
+/// @param without  what the searches above found; afterwards also the scene beside the best one with friction, which
+///                 these may have missed and which alone shows what friction adds to it
+[[nodiscard]] WiderSearch search_friction(const SceneData& data, const KnownScene& known, const KnownScene& smooth,
+                                          SceneSearch& without, int threads);
 
 }  // namespace backlash::detail

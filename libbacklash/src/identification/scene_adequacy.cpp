@@ -164,9 +164,11 @@ SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoic
   const double count = static_cast<double>(used * data.residuals_per_point());
   const double degrees = count - static_cast<double>(parameters);
   const Neighbours neighbours = residuals.neighbours();
-  if (!(degrees > 0) || neighbours.pairs < least_pairs) return result;
+  if (!(degrees > 0)) return result;
   const double variance = residuals.cost() / degrees;
-  if (variance <= data.rounding_variance()) return result;
+  const bool is_rounding = variance <= data.rounding_variance();
+  result.is_tested = is_rounding || neighbours.pairs >= least_pairs;
+  if (is_rounding || !result.is_tested) return result;
   const double pairs = static_cast<double>(neighbours.pairs);
   // Fitting lowers the correlation of neighbours by about this much.
   const double correlation = neighbours.products / (pairs * variance) + static_cast<double>(parameters) / count;

@@ -15,6 +15,8 @@ struct SceneAdequacy {
   double correlation = 0;
   /// One sentence for each way in which the data contradict the scene.
   std::vector<std::string> misfits;
+  /// There are neighbours enough to tell noise from a shape that the scene misses, or nothing but rounding is left.
+  bool is_tested = false;
 };
 
 /// Three tests, each of which rejects a true scene with white noise about once in a thousand:

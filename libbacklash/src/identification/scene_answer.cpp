@@ -87,6 +87,7 @@ SceneAnswer answer_of(const SceneFamily& family, const SceneSearch& found, bool 
   const SceneAdequacy adequacy = scene_adequacy(data, best.choices, family.free_count());
   SceneAnswer answer;
   answer.misfits = adequacy.misfits;
+  answer.is_tested = adequacy.is_tested;
   answer.residual_correlation = adequacy.correlation;
   if (sigma_is_measured)
     if (const auto misfit = excess(equations, family.free_count())) answer.misfits.push_back(*misfit);
@@ -134,26 +135,32 @@ std::string message_of(const SceneAnswer& answer, std::span<const SceneEstimate>
     if (parameter.fixed) continue;
     (parameter.at_bound ? at_bound : parameter.identified ? determined : open).push_back(parameter.name);
   }
+  const bool is_given = determined.empty() && open.empty() && at_bound.empty(), fits = answer.misfits.empty();
   std::string text = std::to_string(answer.points_used) + " of " + std::to_string(answer.points.size()) +
                      " points, rms " + short_text(answer.rms) + ", ";
-  if (determined.empty() && open.empty() && at_bound.empty()) return text + "compared with the given scene.";
-  text += determined.empty() ? "determine none of the free parameters" : "determine " + listed(determined);
+  if (is_given) {
+    text += "compared with the given scene";
+    if (fits) text += answer.is_tested ? ", which describes them" : "; too few of them are neighbours to judge it";
+  } else {
+    text += determined.empty() ? "determine none of the free parameters" : "determine " + listed(determined);
+  }
   if (!at_bound.empty()) text += "; " + listed(at_bound) + " at a limit: fix what is known to lie there";
   if (!open.empty()) text += "; " + listed(open) + " not identified";
   if (!answer.converged) text += "; the search had not settled when it was ended";
-  if (answer.residual_correlation > 0 && answer.misfits.empty()) {
-    text += "; neighbouring residuals go together (correlation " + short_text(answer.residual_correlation) +
-            "), which widens the intervals";
+  if (answer.residual_correlation > 0 && fits) {
+    text += "; neighbouring residuals go together (correlation " + short_text(answer.residual_correlation) + ")" +
+            (is_given ? "" : ", which widens the intervals");
   }
   text += "." + parts.of_family;
-  if (parts.ends) return text;
+  if (parts.ends && !is_given) return text;
   if (!answer.rivals.empty()) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them" +
             std::string(parts.lists_rivals ? ": see rivals." : ".");
   }
   for (const std::string& misfit : answer.misfits) text += " " + misfit;
-  if (answer.misfits.empty()) return text;
-  return text + " The scene does not describe the data, so that nothing counts as identified." + parts.of_misfit;
+  if (fits) return text;
+  return text + " The scene does not describe the data" + (is_given ? "." : ", so that nothing counts as identified.") +
+         parts.of_misfit;
 }
 
 }  // namespace backlash::detail

@@ -16,6 +16,7 @@ struct SceneAnswer {
   std::vector<LocalScene> rivals;        // those that say something else, best first
   std::vector<std::string> free_directions;
   std::vector<std::string> misfits;
+  bool is_tested = false;  // whether there could be misfits, see SceneAdequacy
   double residual_correlation = 0;
   double least_variance = 0;                    // that residuals count as
   std::vector<std::vector<double>> covariance;  // of the parameters
@@ -62,7 +63,7 @@ void fill_in(const SceneAnswer& answer, const SceneSearch& found, Result& result
 /// What a message says beside what all do.
 struct MessageParts {
   std::string of_family;      // after what is determined
-  bool ends = false;          // there: nothing else counts
+  bool ends = false;          // there: nothing else counts, but whether a given scene describes the data
   bool lists_rivals = false;  // elsewhere
   std::string of_misfit;      // where there are misfits, at the end
 };

@@ -20,8 +20,6 @@ constexpr std::size_t settled_at_most = 8;
 // may be before that is known.
 constexpr std::size_t simulated_at_most = 6;
 constexpr double worth_simulating = 300;
-// Estimates that agree to this are one.
-constexpr double same_estimate = 1e-4;
 // Places that agree to this lead to the same estimate.
 constexpr double same_place = 0.01;
 

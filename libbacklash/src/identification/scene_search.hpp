@@ -14,6 +14,9 @@ constexpr double rival_deviance = 10;
 /// Of a place worth an estimate, -2 ln of odds against the best one at most.
 constexpr double worth_settling = 100;
 
+/// Estimates that agree to this are one.
+constexpr double same_estimate = 1e-4;
+
 struct SceneSearch {
   /// The estimate of greatest evidence; not usable when no start was.
   LocalScene best;

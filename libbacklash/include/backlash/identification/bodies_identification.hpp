@@ -65,12 +65,14 @@ struct BodiesIdentification {
 /// 1 and 20 % of the forces of inertia, and orders at 1 unless they have starts of their own.  What is known of an
 /// order should be given: over a short band mass, friction and its order take each other's place.  Masses are positive;
 /// friction and springs, the coefficients that move no mass, are estimated from 0 on unless a lower limit below it is
-/// given, and the intervals of the others hold for all of it that the data allow, also where the estimate is 0.  Where
+/// given, and the intervals of the others hold for all of it that the data allow, also where the estimate is 0.  With
+/// such a limit the answer is that from 0 on where the search finds no steady motion with it.  Where
 /// fewer than twice as many residuals as parameters lie on the orbit nothing is estimated.
 /// @param options  constraints by the names in the formulas, clearance and restitution; contacts take no time and
 ///                 bodies have no dry friction
 /// @throws std::invalid_argument  as identify_scene() and LinearBodies; a formula that uses the names clearance or
-///                                restitution; contacts asked to be compliant, friction asked for.
+///                                restitution; a limit below 0 of a mass or of the clearance, or of restitution
+///                                beyond [0, 1]; contacts asked to be compliant, friction asked for.
 [[nodiscard]] BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunction>& curves,
                                                    const BodiesStructure& structure,
                                                    const SceneIdentificationOptions& options = {});

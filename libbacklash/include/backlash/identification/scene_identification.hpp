@@ -153,15 +153,17 @@ struct SceneIdentification {
   double contact_evidence;
   /// friction1 and friction2 (N).  Empty where the values are those of a scene without friction.
   std::vector<SceneEstimate> friction;
-  /// Whether the data tell friction from none, by a likelihood ratio that chance reaches once in a thousand.
+  /// Whether the data tell friction from none: present where the likelihood ratio is beyond what chance does once in a
+  /// thousand and the interval of either friction or of their sum excludes 0.
   FrictionVerdict friction_verdict;
   /// Twice the logarithm of the likelihood of scenes with friction over that of those without, each at its best and at
-  /// its own noise; NaN for FrictionModel::none.
+  /// its own noise; NaN for FrictionModel::none and where either has no more residuals than the first have parameters.
   double friction_evidence;
   /// One sentence per direction in the space of the parameters that the data leave free.
   std::vector<std::string> free_directions;
   /// One sentence for each way in which the data contradict the scene: residuals that follow a shape, curves that
-  /// contradict each other, points off all of its motions.  Nothing counts as identified then.
+  /// contradict each other, points off all of its motions.  Nothing counts as identified then.  Of a scene whose
+  /// parameters are all fixed too.
   std::vector<std::string> misfits;
   double residual_correlation;     // of neighbours; 0 where it may be chance
   std::vector<RivalScene> rivals;  // best first
