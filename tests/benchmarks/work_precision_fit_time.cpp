@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -107,6 +108,35 @@ void exact() {
     std::printf("furnace,exact,301 samples from s^2 + s + 1%s,%.3e,%.3e\n", search ? " with search" : "", error,
                 seconds[2]);
   }
+}
+
+/// Diffusion through a layer, of which the step response is a known series, without start values.
+void layer() {
+  const std::vector<double> truth{0.3, 2, 4};
+  Record record;
+  for (int i = 0; i <= 300; ++i) {
+    const double t = 15.0 * i / 300;
+    double output = i == 0 ? truth[0] : truth[0] + truth[1];
+    for (int k = 0; k < 400 && i > 0; ++k) {
+      const double root = (k + 0.5) * std::numbers::pi;
+      output -= truth[1] * 2 / (root * root) * std::exp(-root * root * t / truth[2]);
+    }
+    record.time.push_back(t);
+    record.input.push_back(1);
+    record.output.push_back(output);
+  }
+  const frac::Structure structure("R0 + R1 tanh(sqrt(T s))/sqrt(T s)");
+  frac::TimeFitOptions options;
+  options.offset = 0;
+  std::vector<double> seconds;
+  double error = 0;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const auto result = frac::fit({record.time, record.input, record.output}, structure, options);
+    seconds.push_back(result.seconds);
+    error = largest_error(result, truth);
+  }
+  std::sort(seconds.begin(), seconds.end());
+  std::printf("layer,exact,301 samples without start values,%.3e,%.3e\n", error, seconds[2]);
 }
 
 void noise(int trials) {
@@ -218,7 +248,10 @@ int main(int argc, char** argv) {
   const int trials = smoke ? 3 : argc > 1 ? std::atoi(argv[1]) : 1000;
   const std::string kind = argc > 2 ? argv[2] : "";
   std::printf("# %s, GCC %s, %d trials\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE, __VERSION__, trials);
-  if (kind.empty() || kind == "exact") exact();
+  if (kind.empty() || kind == "exact") {
+    exact();
+    layer();
+  }
   if (kind.empty() || kind == "noise") noise(trials);
   if (!smoke && (kind.empty() || kind == "search")) search(std::min(trials, 20));
   if (kind.empty() || kind == "samples") samples(smoke ? 1000 : 100'000);

@@ -598,8 +598,7 @@ TEST(TimeFit, FractionalOrdersAreSupportedWhereTheyAre) {
   const auto fractional = identified("2/(1.5 s^0.6 + 1)");
   EXPECT_EQ(fractional.verdict, frac::Verdict::fractional_supported) << fractional.verdict_sentence;
   EXPECT_EQ(fractional.ranking[fractional.chosen].name, "fractional-lag");
-  ASSERT_EQ(fractional.skipped.size(), 1u);
-  EXPECT_NE(fractional.skipped[0].find("cole-davidson"), std::string::npos);
+  EXPECT_TRUE(fractional.skipped.empty());
   const auto integer = identified("2/(1.5 s + 1)");
   EXPECT_EQ(integer.verdict, frac::Verdict::fractional_not_supported) << integer.verdict_sentence;
   EXPECT_EQ(integer.ranking[integer.chosen].name, "lag");

@@ -219,6 +219,17 @@ def cut_and_poles(scene, random):
         close(H(0) + residues + cut, y, 1e-9)
 
 
+def ray_before_the_axis(scene, random):
+    # Gerischer's 1/sqrt(1 + T s) answers a step with erf(sqrt(t/T)).
+    T = random.uniform(0.5, 2)
+    H = lambda s: 1 / np.sqrt(1 + T * s)
+    turn = np.exp(0.75j * np.pi)
+    for t in random.uniform(0.5, 10, 3):
+        image = lambda u: (H(np.exp(u) * turn) * np.exp(np.exp(u) * turn * t)).imag
+        ray = integrate.quad(image, -60, 10, epsabs=1e-12, limit=500)[0] / np.pi
+        close(0.75 * H(0) + ray, special.erf(np.sqrt(t / T)), 1e-9)
+
+
 def relaxation(scene, random):
     n = random.uniform(0.4, 0.9)
     density = lambda u: -(1 / (1 + np.exp(n * (1j * np.pi - u)))).imag / np.pi  # tau = e^u, T = 1
@@ -276,6 +287,7 @@ FORMULAS = {
     ("response", r"G = \frac{Y}{U}"): noise_of_a_ratio,
     ("time-response", r"\frac{F}{1 + L"): passages,
     ("time-response", r"y(t) = H(0)"): cut_and_poles,
+    ("time-response", r"y(t) = \frac{3}{4} H(0)"): ray_before_the_axis,
     ("drt", r"Z(s) ="): relaxation,
     ("mittag-leffler", r"E_{\alpha,\beta}(z) ="): series,
     ("realisation", r"s^a \approx"): ladder,
