@@ -420,7 +420,7 @@ TEST(TimeFit, DiffusionWhichIsNoRatioComesBack) {
 TEST(TimeFit, WhatCannotBeFittedIsSaid) {
   const TimeResponseData data = furnace_step();
   expect_invalid_argument([&] { (void)frac::fit(data, Structure("K exp(-L s)/(1 + T s)^b")); },
-                          {"(1 + T s)^b", "poles off the negative real axis"});
+                          {"(1 + T s)^b", "poles known to lie on the negative real axis"});
   expect_invalid_argument([&] { (void)frac::fit(data, Structure("K tanh(T s)")); }, {"tanh(T s)"});
   expect_invalid_argument([&] { (void)frac::fit(data, Structure("offset/(s + 1)")); }, {"'offset'"});
   TimeFitOptions local;

@@ -33,15 +33,17 @@ class Rewriting {
     return static_cast<int>(nodes_.size()) - 1;
   }
 
-  /// What is left of a divisor; its factors cosh and sinh go to the dividend.
+  /// What is left of a divisor; its factors cosh go to the dividend.
   std::optional<int> without_reciprocals(int divisor, int& dividend, const Node& quotient) {
     const Node& node = at(divisor);
-    const bool is_sine = node.operation == Operation::sinh;
-    if (node.has_s && (is_sine || node.operation == Operation::cosh)) {
-      const int argument = place(node.left);
-      dividend = append(Operation::multiply, dividend, append(Operation::sech, argument, -1, node), quotient);
-      if (is_sine)
-        dividend = append(Operation::multiply, dividend, append(Operation::coth, argument, -1, node), quotient);
+    if (node.has_s && node.operation == Operation::cosh) {
+      dividend = append(Operation::multiply, dividend, reciprocal_of(node), quotient);
+      return std::nullopt;
+    }
+    if (node.has_s && node.operation == Operation::power && at(node.left).operation == Operation::cosh &&
+        literal_value(given_.nodes, node.right)) {
+      const int power = append(Operation::power, reciprocal_of(at(node.left)), place(node.right), node);
+      dividend = append(Operation::multiply, dividend, power, quotient);
       return std::nullopt;
     }
     if (node.operation != Operation::multiply) return place(divisor);
@@ -51,6 +53,8 @@ class Rewriting {
     if (!left || !right) return left ? left : right;
     return append(Operation::multiply, *left, *right, node);
   }
+
+  int reciprocal_of(const Node& cosh) { return append(Operation::sech, place(cosh.left), -1, cosh); }
 
   /// @param read_from  the node that stands at that place of the formula
   int append(Operation operation, int left, int right, const Node& read_from) {

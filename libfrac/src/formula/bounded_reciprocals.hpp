@@ -5,7 +5,7 @@
 
 namespace frac::detail {
 
-/// The same formula with the factors cosh z and sinh z of divisors as factors sech z and sech z coth z of the dividend,
+/// The same formula with the factors cosh z of divisors, and whole powers of it, as factors sech z of the dividend,
 /// which no z makes overflow.
 [[nodiscard]] Expression with_bounded_reciprocals(const Expression& expression);
 

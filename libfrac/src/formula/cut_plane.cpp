@@ -11,7 +11,7 @@ namespace frac::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// Of sums of angles that are multiples of the orders.
+// Of angles, which are sums of multiples of orders.
 constexpr double rounding = 1e-12;
 
 /// Of arguments, for 0 <= arg s < pi; an end is attained or only approached.
@@ -44,6 +44,7 @@ Sector sum_of(const Sector& a, const Sector& b) {
 }
 
 Sector times(const Sector& sector, double factor) {
+  if (factor == 0) return {{0, true}, {0, true}};
   Sector::End lower{sector.lower.angle * factor, sector.lower.is_attained};
   Sector::End upper{sector.upper.angle * factor, sector.upper.is_attained};
   if (factor < 0) std::swap(lower, upper);
@@ -53,7 +54,7 @@ Sector times(const Sector& sector, double factor) {
 /// Both sectors and what lies between them.
 Sector hull(const Sector& a, const Sector& b) {
   const auto outer = [](const Sector::End& x, const Sector::End& y, bool lower) {
-    if (x.angle == y.angle) return Sector::End{x.angle, x.is_attained || y.is_attained};
+    if (std::abs(x.angle - y.angle) <= rounding) return Sector::End{x.angle, x.is_attained || y.is_attained};
     return (x.angle < y.angle) == lower ? x : y;
   };
   return {outer(a.lower, b.lower, true), outer(a.upper, b.upper, false)};
@@ -72,7 +73,7 @@ bool is_within(const Sector& sector, double angle) {
 struct Part {
   bool is_analytic = false;
   bool vanishes_nowhere = false;
-  bool is_zero = false;          // everywhere
+  bool is_zero = false;          // a number that is 0
   std::optional<Sector> sector;  // not known: any argument
 
   [[nodiscard]] bool keeps_off_the_cut() const {
@@ -84,7 +85,7 @@ struct Part {
 };
 
 Part real_part_of_formula(double value) {
-  if (value == 0) return {true, false, true, std::nullopt};
+  if (value == 0) return {.is_analytic = true, .vanishes_nowhere = false, .is_zero = true, .sector = std::nullopt};
   const double angle = value > 0 ? 0 : pi;
   return {std::isfinite(value), true, false, Sector{{angle, true}, {angle, true}}};
 }
@@ -93,7 +94,7 @@ Part sum(const Part& a, const Part& b) {
   if (a.is_zero) return b;
   if (b.is_zero) return a;
   Part result{a.is_analytic && b.is_analytic, false, false, std::nullopt};
-  // Parts that vanish somewhere leave the sum to the other.
+  // Where one part vanishes, the other is the sum.
   if (!a.sector || !b.sector || !(a.vanishes_nowhere || b.vanishes_nowhere)) return result;
   const Sector both = hull(*a.sector, turned_to(*b.sector, a.sector->middle()));
   const bool opposite = both.lower.is_attained && both.upper.is_attained;
@@ -104,7 +105,6 @@ Part sum(const Part& a, const Part& b) {
 }
 
 Part product(const Part& a, const Part& b) {
-  if (a.is_zero || b.is_zero) return {a.is_analytic && b.is_analytic, false, true, std::nullopt};
   Part result{a.is_analytic && b.is_analytic, a.vanishes_nowhere && b.vanishes_nowhere, false, std::nullopt};
   if (a.sector && b.sector) result.sector = sum_of(*a.sector, *b.sector);
   return result;

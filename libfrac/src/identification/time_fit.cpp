@@ -77,14 +77,19 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
     throw std::invalid_argument("noise_correlation = " + detail::number_text(options.noise_correlation) +
                                 "; allowed is 0 (white noise) to below 1");
   }
-  // Whether it reduces does not depend on the values; those of a start may be missing.
-  std::vector<double> values;
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    const bool is_order = structure.parameter_roles()[i] == ParameterRole::order;
-    const double known = map.start()[i];
-    values.push_back(std::isnan(known) ? (is_order ? 0.7 + 0.01 * static_cast<double>(i) : 0.5) : known);
-  }
-  static_cast<void>(detail::time_model(structure, values, detail::Sensitivity::all));
+  // Values of a start may be missing.  A ratio is one at any; other formulas may be fitted at some only, such as orders
+  // up to a half in tanh((T s)^n).
+  const auto guess = [&](double order) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+      const bool is_order = structure.parameter_roles()[i] == ParameterRole::order;
+      const double known = map.start()[i];
+      values.push_back(std::isnan(known) ? (is_order ? order + 0.01 * static_cast<double>(i) : 0.5) : known);
+    }
+    return values;
+  };
+  if (!detail::time_model_if_any(structure, guess(0.3)))
+    static_cast<void>(detail::time_model(structure, guess(0.7), detail::Sensitivity::all));
   const std::size_t free = map.free().size() + (options.offset ? 0 : 1);
   if (data.observed().size() < free) {
     throw std::invalid_argument(detail::counted(data.observed().size(), "sample") + " cannot determine " +
@@ -198,7 +203,8 @@ std::string unseen_model(const Structure& structure, const detail::ParameterMap&
                          const detail::Confidence& found, const std::vector<double>& theta) {
   if (map.free().empty()) return {};
   const double length = data.time()[data.observed().back()] - data.time().front();
-  const double delay = dead_time(detail::time_model(structure, map.to_user(theta)));
+  const std::optional<detail::TimeModel> model = detail::time_model_if_any(structure, map.to_user(theta));
+  const double delay = model ? dead_time(*model) : 0;
   if (delay >= length) {
     return "The dead time of the model is " + detail::number_text(delay) + " s, no less than the record of " +
            detail::number_text(length) + " s: nothing of the input reaches the output.";

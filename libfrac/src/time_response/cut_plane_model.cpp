@@ -2,31 +2,29 @@
 #include "cut_plane_model.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "formula/cut_plane.hpp"
 
 namespace frac::detail {
-namespace {
-
-// ln s beyond everything that a formula in common units tells of, yet so near that its square, too, is a double.
-constexpr double far = 140;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 std::optional<CutPlaneModel> CutPlaneModel::of(const Structure& structure, std::span<const double> parameters,
                                                Sensitivity sensitivity) {
   if (!is_analytic_in_cut_plane(structure.expression(), parameters)) return std::nullopt;
+  const std::optional<PowerTerm> last = leading_term(structure.expression(), parameters, Limit::infinity);
+  const std::optional<PowerTerm> first = leading_term(structure.expression(), parameters, Limit::origin);
   CutPlaneModel model(structure, parameters, sensitivity);
-  model.order_at_infinity_ = model.slope(far);
-  model.order_at_origin_ = model.slope(-far);
-  if (std::isnan(model.order_at_infinity_) || !std::isfinite(model.order_at_origin_)) return std::nullopt;
+  model.order_at_infinity_ = last ? last->order : model.slope(Limit::infinity);
+  model.order_at_origin_ = first ? first->order : std::round(model.slope(Limit::origin));
+  // What terms that cancel leave at infinity is known where it vanishes.
+  constexpr double vanishing = -0.01;
+  if (!last && !(model.order_at_infinity_ <= vanishing)) return std::nullopt;
+  if (std::isnan(model.order_at_origin_)) return std::nullopt;
   return model;
 }
 
 CutPlaneModel::CutPlaneModel(const Structure& structure, std::span<const double> parameters, Sensitivity sensitivity)
-    : program_(std::make_shared<const Program>(structure.expression())),
+    : structure_(structure),
+      program_(std::make_shared<const Program>(structure.expression())),
       parameters_(parameters.begin(), parameters.end()),
       gradient_(sensitivity == Sensitivity::all ? parameters.size() : 0),
       row_(1 + static_cast<Eigen::Index>(gradient_.size())) {}
@@ -42,20 +40,34 @@ const ComplexRow& CutPlaneModel::operator()(std::complex<double> zeta) {
   return row_;
 }
 
-// Orders differ from what they are at such an s by less than the rounding of the slope.
-double CutPlaneModel::slope(double log_s) {
-  constexpr double step = 4, digits = 1e9;
-  const double here = std::abs((*this)(log_s)[0]), beyond = std::abs((*this)(log_s + step)[0]);
-  if (here == 0 || beyond == 0) return log_s > 0 ? -infinity : infinity;
-  return std::round(std::log(beyond / here) / step * digits) / digits;
+// At the origin, where whole orders count as integrations, one too many costs nothing: s^m times the model still is
+// integrated.
+double CutPlaneModel::slope(Limit at) {
+  // Beyond the times of common units, yet so near that few digits cancel of terms of order 1.
+  constexpr double far = 20, step = 2;
+  const double sign = at == Limit::infinity ? 1 : -1;
+  const double here = std::abs((*this)(sign * far)[0]), beyond = std::abs((*this)(sign * (far + step))[0]);
+  if (here == 0 || beyond == 0) return -sign;
+  return sign * std::log(beyond / here) / step;
 }
 
-RealRow CutPlaneModel::at_infinity() {
-  return order_at_infinity_ == 0 ? RealRow((*this)(far).real()) : RealRow::Zero(columns());
-}
-
-RealRow CutPlaneModel::at_origin() {
-  return order_at_origin_ == 0 ? RealRow((*this)(-far).real()) : RealRow::Zero(columns());
+RealRow CutPlaneModel::limit(Limit which) const {
+  RealRow row = RealRow::Zero(columns());
+  const auto value = [&](const std::vector<double>& parameters) {
+    const std::optional<PowerTerm> term = leading_term(structure_.expression(), parameters, which);
+    return term && std::abs(term->order) <= 1e-12 ? term->coefficient : 0;
+  };
+  row[0] = value(parameters_);
+  // Differences of what takes no more than some operations, and counts at a jump alone.
+  for (Eigen::Index p = 1; p < columns(); ++p) {
+    std::vector<double> less = parameters_, more = parameters_;
+    const auto at = static_cast<std::size_t>(p - 1);
+    const double step = 1e-5 * (parameters_[at] == 0 ? 1 : std::abs(parameters_[at]));
+    less[at] -= step;
+    more[at] += step;
+    row[p] = (value(more) - value(less)) / (2 * step);
+  }
+  return row;
 }
 
 }  // namespace frac::detail

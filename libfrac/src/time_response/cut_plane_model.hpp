@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "exponential_terms.hpp"
+#include "formula/leading_term.hpp"
 #include "formula/program.hpp"
 #include "formula/reduction.hpp"
 #include "frac/structure.hpp"
@@ -18,11 +19,12 @@ namespace frac::detail {
 /// real axis: every ray beside it is a cut along which the response can be integrated.
 class CutPlaneModel {
  public:
-  /// Empty where other singularities are possible (is_analytic_in_cut_plane()) or values are not finite.
+  /// Empty where other singularities are possible (is_analytic_in_cut_plane()), or where it is not known what it tends
+  /// to at infinity.
   [[nodiscard]] static std::optional<CutPlaneModel> of(const Structure& structure, std::span<const double> parameters,
                                                        Sensitivity sensitivity);
 
-  /// It tends to a multiple of s^order there; minus infinity where it vanishes faster.
+  /// It tends to a multiple of s^order there; infinite where it grows or vanishes faster.
   [[nodiscard]] double order_at_infinity() const noexcept { return order_at_infinity_; }
   [[nodiscard]] double order_at_origin() const noexcept { return order_at_origin_; }
 
@@ -30,15 +32,17 @@ class CutPlaneModel {
   [[nodiscard]] Eigen::Index columns() const noexcept { return row_.size(); }
   /// At s = e^zeta, |Im zeta| < pi.
   [[nodiscard]] const ComplexRow& operator()(std::complex<double> zeta);
-  /// What it tends to there, 0 where it vanishes.
-  [[nodiscard]] RealRow at_infinity();
-  [[nodiscard]] RealRow at_origin();
+  /// What it tends to there, and its derivatives; 0 where it tends to 0, and where it does not stay finite.
+  [[nodiscard]] RealRow at_infinity() const { return limit(Limit::infinity); }
+  [[nodiscard]] RealRow at_origin() const { return limit(Limit::origin); }
 
  private:
   CutPlaneModel(const Structure& structure, std::span<const double> parameters, Sensitivity sensitivity);
-  /// d ln|G| / d ln s at a real s
-  [[nodiscard]] double slope(double log_s);
+  [[nodiscard]] RealRow limit(Limit which) const;
+  /// d ln|G| / d ln s towards the limit, where leading terms cancel.
+  [[nodiscard]] double slope(Limit at);
 
+  Structure structure_;
   std::shared_ptr<const Program> program_;
   std::vector<double> parameters_;
   std::vector<std::complex<double>> gradient_;

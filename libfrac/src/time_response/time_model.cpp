@@ -16,7 +16,8 @@ TimeModel time_model(const Structure& structure, std::span<const double> paramet
     std::optional<CutPlaneModel> other = CutPlaneModel::of(structure, parameters, sensitivity);
     if (!other)
       throw NoRatio(std::string(why.what()) +
-                    "; nor can it be integrated as diffusion is, since it may have poles off the negative real axis");
+                    "; nor are its poles known to lie on the negative real axis alone, as those of diffusion "
+                    "do, at these values of its parameters");
     return *std::move(other);
   }
 }
