@@ -399,4 +399,10 @@ TEST(BoundedReciprocals, AreThoseOfTheDivisors) {
   }
 }
 
+// cosh(2 j) is negative, and its root the principal one.
+TEST(BoundedReciprocals, RootsOfCoshStayPrincipal) {
+  const Complex expected = 1.0 / std::sqrt(std::cosh(Complex(0, 2)));
+  EXPECT_LT(std::abs(Structure("1/cosh(s)^0.5").response({}, 2) - expected), 1e-15);
+}
+
 }  // namespace

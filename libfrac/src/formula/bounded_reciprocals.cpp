@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bounded_reciprocals.hpp"
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
 namespace frac::detail {
 namespace {
+
+bool is_whole(const std::optional<double>& exponent) {
+  return exponent && *exponent == std::round(*exponent);
+}
 
 class Rewriting {
  public:
@@ -40,8 +45,9 @@ class Rewriting {
       dividend = append(Operation::multiply, dividend, reciprocal_of(node), quotient);
       return std::nullopt;
     }
+    // Other powers than whole ones turn otherwise where cosh is negative.
     if (node.has_s && node.operation == Operation::power && at(node.left).operation == Operation::cosh &&
-        literal_value(given_.nodes, node.right)) {
+        is_whole(literal_value(given_.nodes, node.right))) {
       const int power = append(Operation::power, reciprocal_of(at(node.left)), place(node.right), node);
       dividend = append(Operation::multiply, dividend, power, quotient);
       return std::nullopt;
