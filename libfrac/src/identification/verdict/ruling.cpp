@@ -103,8 +103,7 @@ std::string against_integer_model(const IdentificationResult& result, const Comp
   if (pair.integer.ranked.model.ends_its_family) return ", but the integer-order one has as many poles as are tried";
   if (pair.integer.approximates) {
     return ", but the integer-order one, a row of real poles, follows data without noise as an approximation of "
-           "another "
-           "system does";
+           "another system does";
   }
   return "";
 }
