@@ -45,7 +45,7 @@ class Rewriting {
       dividend = append(Operation::multiply, dividend, reciprocal_of(node), quotient);
       return std::nullopt;
     }
-    // Other powers than whole ones turn otherwise where cosh is negative.
+    // Where cosh is negative, a root of sech is not the reciprocal of that of cosh.
     if (node.has_s && node.operation == Operation::power && at(node.left).operation == Operation::cosh &&
         is_whole(literal_value(given_.nodes, node.right))) {
       const int power = append(Operation::power, reciprocal_of(at(node.left)), place(node.right), node);

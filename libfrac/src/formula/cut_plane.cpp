@@ -11,7 +11,7 @@ namespace frac::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-// Of angles, which are sums of multiples of orders.
+// Angles are sums of multiples of orders, and equal ones differ by the rounding of these.
 constexpr double rounding = 1e-12;
 
 /// Of arguments, for 0 <= arg s < pi; an end is attained or only approached.

@@ -13,7 +13,8 @@ namespace frac::detail {
 /// The proof follows the sector in which the arguments of each part lie for 0 <= arg s < pi: a sum of parts within less
 /// than a half turn does not vanish, a power needs its base off the negative axis, tanh, coth and sech have their poles
 /// where the argument is imaginary, and exp z is taken where Re z < 0 alone, since e^{-L s} grows beyond the imaginary
-/// axis as e^{s t} decays.  Functions of z grow no faster than e^|z| with |z| below |s|, which e^{s t} outweighs.
+/// axis as e^{s t} decays.  Where cosh or sinh outgrows that, it does so along the positive axis too, which
+/// leading_term() tells.
 [[nodiscard]] bool is_analytic_in_cut_plane(const Expression& expression, std::span<const double> parameters);
 
 }  // namespace frac::detail

@@ -77,8 +77,8 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
     throw std::invalid_argument("noise_correlation = " + detail::number_text(options.noise_correlation) +
                                 "; allowed is 0 (white noise) to below 1");
   }
-  // Values of a start may be missing.  A ratio is one at any; other formulas may be fitted at some only, such as orders
-  // up to a half in tanh((T s)^n).
+  // Start values may be missing.  A ratio of sums of powers is one at all values; other formulas may be fitted at some
+  // values only, as tanh((T s)^n) is at n up to a half.
   const auto guess = [&](double order) {
     std::vector<double> values;
     for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {

@@ -40,10 +40,10 @@ const ComplexRow& CutPlaneModel::operator()(std::complex<double> zeta) {
   return row_;
 }
 
-// At the origin, where whole orders count as integrations, one too many costs nothing: s^m times the model still is
-// integrated.
+// At the origin the slope tells how often the model integrates.  One time too many costs nothing: what is integrated is
+// the model times as many s.
 double CutPlaneModel::slope(Limit at) {
-  // Beyond the times of common units, yet so near that few digits cancel of terms of order 1.
+  // So far out one term leads in common units, and of terms in s that cancel there half of the digits are left.
   constexpr double far = 20, step = 2;
   const double sign = at == Limit::infinity ? 1 : -1;
   const double here = std::abs((*this)(sign * far)[0]), beyond = std::abs((*this)(sign * (far + step))[0]);
@@ -58,7 +58,7 @@ RealRow CutPlaneModel::limit(Limit which) const {
     return term && std::abs(term->order) <= 1e-12 ? term->coefficient : 0;
   };
   row[0] = value(parameters_);
-  // Differences of what takes no more than some operations, and counts at a jump alone.
+  // A leading coefficient takes few operations, so that differences tell its derivatives to 1e-10.
   for (Eigen::Index p = 1; p < columns(); ++p) {
     std::vector<double> less = parameters_, more = parameters_;
     const auto at = static_cast<std::size_t>(p - 1);
