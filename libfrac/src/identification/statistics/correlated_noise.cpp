@@ -94,13 +94,14 @@ void CorrelatedNoise::add_smooth(double white_variance) {
   // The share h as the logarithm of h/(1 - h): from what no data tell to noise of a thousandth of the smooth error. The
   // likelihood is a sum of functions of it that change over 1, which parabolas through three neighbours follow.
   constexpr int least = -7, most = 14, refined = 8;
+  const auto share_of = [](double logit) { return 1 / (1 + std::exp(-logit)); };
+  std::vector<double> shares;
+  for (int logit = least; logit <= most; ++logit) shares.push_back(share_of(logit));
   const double ratio = std::log(smooth_->longest() / smooth_->shortest()) / (lengths - 1);
   for (int i = 0; i < lengths; ++i) {
     const double length = smooth_->shortest() * std::exp(i * ratio);
-    const auto share_of = [](double logit) { return 1 / (1 + std::exp(-logit)); };
     std::vector<double> logarithms, variances;
-    for (int logit = least; logit <= most; ++logit) {
-      const SmoothError::Likelihood found = smooth_->at(share_of(logit), length);
+    for (const SmoothError::Likelihood& found : smooth_->at(shares, length)) {
       logarithms.push_back(found.logarithm);
       variances.push_back(std::log(found.variance / white_variance));
     }

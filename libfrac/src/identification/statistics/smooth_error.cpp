@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/linear_algebra.hpp"
+#include "base/wide_vectors.hpp"
 
 namespace frac::detail {
 
@@ -19,27 +20,33 @@ std::complex<double> product(std::complex<double> a, std::complex<double> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// State of the smooth error and of its slope: mean and covariance, given what was seen before.
+using Lanes = Doubles<SmoothError::side_by_side>::Type;
+
+/// Covariance of the smooth error and of its slope for each share, given what was seen before.
 struct Matern {
   double rate;  // sqrt(3)/length
-  double share;
-  double value, cross, slope;  // covariance
+  Lanes share, steepness, value, cross, slope;
 
-  Matern(double smooth_share, double length)
-      : rate(std::sqrt(3.0) / length), share(smooth_share), value(share), cross(0), slope(share * rate * rate) {}
+  FRACFIT_INLINE Matern(const Lanes& shares, double length)
+      : rate(std::sqrt(3.0) / length),
+        share(shares),
+        steepness(shares * rate * rate),
+        value(share),
+        cross{},
+        slope(steepness) {}
 
   /// The transition over a distance is [[a, b], [c, d]].
   struct Step {
-    double a, b, c, d;
+    double a = 1, b = 0, c = 0, d = 1;
   };
-  Step advance(double distance) {
+  FRACFIT_INLINE Step advance(double distance) {
     const double decay = std::exp(-rate * distance), q = rate * distance;
     const Step step{decay * (1 + q), decay * distance, -decay * rate * q, decay * (1 - q)};
     // P -> P0 + F (P - P0) F', with P0 the stationary covariance: what is known fades.
-    const double v = value - share, x = cross, s = slope - share * rate * rate;
+    const Lanes v = value - share, x = cross, s = slope - steepness;
     value = share + step.a * step.a * v + 2 * step.a * step.b * x + step.b * step.b * s;
     cross = step.a * step.c * v + (step.a * step.d + step.b * step.c) * x + step.b * step.d * s;
-    slope = share * rate * rate + step.c * step.c * v + 2 * step.c * step.d * x + step.d * step.d * s;
+    slope = steepness + step.c * step.c * v + 2 * step.c * step.d * x + step.d * step.d * s;
     return step;
   }
 };
@@ -120,48 +127,76 @@ double SmoothError::longest() const {
   return 3 * (position_.back() - position_.front());
 }
 
-SmoothError::Likelihood SmoothError::at(double share, double length) const {
-  const double white = 1 - share;
-  const auto parts = static_cast<double>(axis_.per_point);
-  const auto blocks = static_cast<double>(position_.size()), points = static_cast<double>(axis_.position.size());
-  // A filter (Kalman) for all columns at once, in plain loops: there are a dozen columns, and this is called often.
-  const Eigen::Index columns = width_ + 1;
-  Rows products = within_ / white;
-  double logarithm = parts * (points - blocks) * std::log(white);
-  Matern known(share, length);
-  Rows value = Rows::Zero(static_cast<Eigen::Index>(axis_.per_point), columns), slope = value;
-  std::vector<double> news(static_cast<std::size_t>(columns));
-  for (std::size_t b = 0; b < position_.size(); ++b) {
-    const Matern::Step step = b > 0 ? known.advance(position_[b] - position_[b - 1]) : Matern::Step{1, 0, 0, 1};
-    const double root = std::sqrt(points_[b]), scatter = points_[b] * known.value + white;
-    const double to_value = known.value * root / scatter, to_slope = known.cross * root / scatter;
-    for (Eigen::Index part = 0; part < value.rows(); ++part) {
-      const double* const mean = means_.row(static_cast<Eigen::Index>(b) * value.rows() + part).data();
-      double *const v = value.row(part).data(), *const s = slope.row(part).data();
-      for (Eigen::Index k = 0; k < columns; ++k) {
-        const double ahead = step.a * v[k] + step.b * s[k], inclined = step.c * v[k] + step.d * s[k];
-        const double each = mean[k] - root * ahead;
-        v[k] = ahead + to_value * each;
-        s[k] = inclined + to_slope * each;
-        news[static_cast<std::size_t>(k)] = each;
+SmoothError::Filtered SmoothError::filtered(const Shares& shares, double length) const {
+  const std::size_t parts = axis_.per_point, columns = static_cast<std::size_t>(width_) + 1;
+  Filtered result;
+  result.products.resize(columns * (columns + 1) / 2 * side_by_side);
+  std::vector<double> values(parts * columns * side_by_side), slopes(values.size()), news(columns * side_by_side);
+  const auto lanes = [](std::vector<double>& memory, std::size_t index) FRACFIT_INLINE -> Lanes& {
+    return Doubles<side_by_side>::at(memory.data() + index * side_by_side);
+  };
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    const Lanes share = Doubles<side_by_side>::at(shares.data()), white = 1 - share;
+    std::size_t product = 0;
+    for (Eigen::Index i = 0; i <= width_; ++i)
+      for (Eigen::Index k = 0; k <= i; ++k, ++product) lanes(result.products, product) = within_(i, k) / white;
+    Matern known(share, length);
+    Lanes determinant = 1 + Lanes{};
+    for (std::size_t b = 0; b < position_.size(); ++b) {
+      const Matern::Step step = b > 0 ? known.advance(position_[b] - position_[b - 1]) : Matern::Step{};
+      const double root = std::sqrt(points_[b]);
+      const Lanes scatter = points_[b] * known.value + white, weight = 1 / scatter;
+      const Lanes to_value = root * known.value * weight, to_slope = root * known.cross * weight;
+      for (std::size_t part = 0; part < parts; ++part) {
+        const double* const mean = means_.row(static_cast<Eigen::Index>(b * parts + part)).data();
+        product = 0;
+        for (std::size_t i = 0; i < columns; ++i) {
+          Lanes &value = lanes(values, part * columns + i), &slope = lanes(slopes, part * columns + i);
+          const Lanes ahead = step.a * value + step.b * slope, inclined = step.c * value + step.d * slope;
+          const Lanes each = mean[i] - root * ahead, weighed = each * weight;
+          value = ahead + to_value * each;
+          slope = inclined + to_slope * each;
+          lanes(news, i) = each;
+          for (std::size_t k = 0; k <= i; ++k, ++product) lanes(result.products, product) += weighed * lanes(news, k);
+        }
       }
-      for (Eigen::Index i = 0; i < columns; ++i) {
-        const double weighed = news[static_cast<std::size_t>(i)] / scatter;
-        double* const row = products.row(i).data();
-        for (Eigen::Index k = 0; k <= i; ++k) row[k] += weighed * news[static_cast<std::size_t>(k)];
+      determinant *= scatter;
+      known.slope -= to_slope * to_slope * scatter;
+      known.cross -= to_value * to_slope * scatter;
+      known.value *= white * weight;
+      // Factors are between the least white share and the points of a block: eight of them stay in range.
+      if (b % 8 == 7 || b + 1 == position_.size()) {
+        for (std::size_t l = 0; l < side_by_side; ++l) result.logarithm[l] += std::log(determinant[l]);
+        determinant = 1 + Lanes{};
       }
     }
-    logarithm += parts * std::log(scatter);
-    known.slope -= to_slope * to_slope * scatter;
-    known.cross -= to_value * to_slope * scatter;
-    known.value *= white / scatter;
+  });
+  const auto within_blocks = static_cast<double>(axis_.position.size() - position_.size());
+  for (std::size_t l = 0; l < side_by_side; ++l)
+    result.logarithm[l] = static_cast<double>(parts) * (result.logarithm[l] + within_blocks * std::log(1 - shares[l]));
+  return result;
+}
+
+std::vector<SmoothError::Likelihood> SmoothError::at(std::span<const double> shares, double length) const {
+  std::vector<Likelihood> found;
+  Rows products = Rows::Zero(width_ + 1, width_ + 1);
+  for (std::size_t first = 0; first < shares.size(); first += side_by_side) {
+    Shares some;
+    for (std::size_t l = 0; l < side_by_side; ++l) some[l] = shares[std::min(first + l, shares.size() - 1)];
+    const Filtered sums = filtered(some, length);
+    for (std::size_t l = 0; l < std::min(side_by_side, shares.size() - first); ++l) {
+      const double* product = sums.products.data() + l;
+      for (Eigen::Index i = 0; i <= width_; ++i)
+        for (Eigen::Index k = 0; k <= i; ++k, product += side_by_side) products(i, k) = *product;
+      const Eigen::VectorXd factor = CholeskyFactor(products).diagonal();
+      // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
+      double restricted = -0.5 * sums.logarithm[l];
+      for (Eigen::Index i = 0; i < width_; ++i) restricted -= std::log(factor(i));
+      const double rest = factor(width_);
+      found.push_back({restricted - degrees_ * std::log(rest), rest * rest / degrees_});
+    }
   }
-  const Eigen::VectorXd factor = CholeskyFactor(products).diagonal();
-  // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
-  double restricted = -0.5 * logarithm;
-  for (Eigen::Index i = 0; i < width_; ++i) restricted -= std::log(factor(i));
-  const double rest = factor(width_);
-  return {restricted - degrees_ * std::log(rest), rest * rest / degrees_};
+  return found;
 }
 
 SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each, double unit) const {

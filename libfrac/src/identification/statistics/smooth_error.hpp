@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -18,6 +19,9 @@ namespace frac::detail {
 /// constant.  Within the blocks there is white noise alone.
 class SmoothError {
  public:
+  /// Shares that are filtered at once: as many as the widest registers hold.
+  static constexpr std::size_t side_by_side = 8;
+
   /// @param residual  as left by least squares
   /// @param basis     orthonormal, of the columns that were fitted
   SmoothError(std::span<const double> residual, const Eigen::Ref<const Eigen::MatrixXd>& basis,
@@ -31,7 +35,8 @@ class SmoothError {
     double logarithm;  // restricted: with the fitted columns integrated out; 0 for white noise of unit variance
     double variance;   // of a residual, where that is most likely
   };
-  [[nodiscard]] Likelihood at(double share, double length) const;
+  /// At several shares, which are cheaper together.
+  [[nodiscard]] std::vector<Likelihood> at(std::span<const double> shares, double length) const;
 
   /// Sums of an influence, in a unit, over the blocks, which variances need; its own square beside them.
   struct Influence {
@@ -43,6 +48,7 @@ class SmoothError {
   [[nodiscard]] double variance(const Influence& of, double share, double length) const;
 
  private:
+  using Shares = std::array<double, side_by_side>;
   /// Takes the rows of some points, from the first of these, times the factors of the points.
   void turn(std::size_t first, Eigen::Ref<Eigen::MatrixXd> rows) const;
   /// Sums of turned rows over blocks, the first of which begins with them: a row for each residual of a point.
@@ -51,6 +57,13 @@ class SmoothError {
   /// and the number of rows of each.
   template <typename Visit>
   void for_each_piece(const Visit& visit) const;
+
+  /// What a filter (Kalman) tells of some shares at once.
+  struct Filtered {
+    std::vector<double> products;  // of what is new in two columns, weighed: the lower triangle by rows, of each share
+    Shares logarithm = {};         // of the determinant of the covariance
+  };
+  [[nodiscard]] Filtered filtered(const Shares& shares, double length) const;
 
   ResidualAxis axis_;
   std::size_t block_;             // points of a block but the last
