@@ -41,7 +41,8 @@ enum class SearchAim { optimum, start };
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
 /// @param hopeless  cost above which a minimum that enough agree on is left at that, without walks: something else
-///                  follows the data far better.  An end from which the cost still falls is no minimum.
+///                  follows the data far better.  An end from which the cost still falls is no minimum, and costs that
+///                  differ by 2 % are the same.
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
                                            const std::vector<double>& suggested_orders, std::uint64_t seed,
                                            double hopeless = std::numeric_limits<double>::infinity(),

@@ -195,10 +195,12 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   ceres::Solver::Summary summary;
   // Scouts are judged from afar.
   constexpr double scouting = 1e-9;
-  if (options.cost_tolerance < scouting)
+  if (options.cost_tolerance < scouting) {
     solve_within_bounds(solver, problem, summary);
-  else
+  } else {
+    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     ceres::Solve(solver, &problem, &summary);
+  }
   throw_if_cancelled();
   LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
