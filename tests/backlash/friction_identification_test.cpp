@@ -267,10 +267,10 @@ TEST(FrictionIdentification, RecoversExactScenes) {
   }
 }
 
-// Noise of 1 %, friction of 5 % of the lower force.  Binomial(10, 0.95): more than 3 misses have a chance of 0.1 %.  A
+// Noise of 1 %, friction of 5 % of the lower force.  Binomial(6, 0.95): more than 2 misses have a chance of 0.2 %.  A
 // search that has not settled says so and states nothing; most settle.
 TEST(FrictionIdentification, IntervalsHoldMassesGapRestitutionAndFriction) {
-  constexpr int trials = 10;
+  constexpr int trials = 6;
   support::Random random(2);
   Scene scene;
   scene.friction = {0.5, 0.5};
@@ -293,7 +293,7 @@ TEST(FrictionIdentification, IntervalsHoldMassesGapRestitutionAndFriction) {
     missed[3] += misses(result.friction[0], scene.friction.body1) ? 1 : 0;
     missed[4] += misses(result.friction[1], scene.friction.body2) ? 1 : 0;
   }
-  for (std::size_t k = 0; k < missed.size(); ++k) EXPECT_LE(missed[k], 3) << k;
+  for (std::size_t k = 0; k < missed.size(); ++k) EXPECT_LE(missed[k], 2) << k;
   EXPECT_LE(unsettled, trials / 2);
 }
 

@@ -364,7 +364,7 @@ TEST(SceneIdentification, AJumpInTheDataDoesNotTrapIt) {
   for (const double restitution : {0.2, 0.6}) {
     const TwoMassSystem system(1.5, 0.8, 0.3, restitution);
     support::Random random(3);
-    const auto curves = measured(system, 0.5, 3.0, 60, 0.01, random);
+    const auto curves = measured(system, 0.5, 3.0, 30, 0.01, random);
     const auto jump = backlash::jump_similarity_constant(restitution, backlash::JumpCriterion::sweep_up);
     ASSERT_TRUE(jump.similarity_constant && *jump.similarity_constant > 0.5 && *jump.similarity_constant < 3.0);
     const auto result = identify_scene(curves, with_mass1(1.5));
