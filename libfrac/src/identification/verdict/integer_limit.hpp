@@ -15,8 +15,8 @@ inline const double least_visible = least_departure * std::numbers::pi / 2;
 
 /// Tells fractional candidates how far they are from being of integer order: the least root of the sum of squares,
 /// relative to the data, by which their weighted residuals differ from those of an integer-order candidate that they
-/// contain, as a diffusion behind a lag contains the lag, and that is the better one by criterion(); infinite where
-/// that is not below least_visible.
+/// contain, as a diffusion behind a lag contains the lag, and that is the better one by Schwarz's criterion; infinite
+/// where that is not below least_visible.
 void find_integer_limits(std::vector<Competitor>& competitors);
 
 }  // namespace frac::detail
