@@ -388,7 +388,7 @@ IdentificationResult ranked(const Data& data, FittedCandidates candidates, const
     result.ranking.push_back(competitor.ranked);
   }
   result.chosen = chosen_of(result.ranking);
-  detail::find_integer_limits(competitors);
+  detail::find_integer_limits(competitors, detail::contains);
   detail::judge(result, data, options, competitors, candidates.skipped_rivals);
   keep_to_verdict(result);
   // Over time nothing is assumed, and no sums of elements grow.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "identification/contained_optimum.hpp"
 #include "identification/statistics/information.hpp"
 
 namespace frac::detail {
@@ -25,7 +24,8 @@ double schwarz_of(const Competitor& each) {
 
 }  // namespace
 
-void find_integer_limits(std::vector<Competitor>& competitors) {
+void find_integer_limits(std::vector<Competitor>& competitors,
+                         const std::function<bool(const FitResult&, const FitResult&)>& contains) {
   for (Competitor& rich : competitors) {
     if (!rich.is_fractional()) continue;
     const double value = schwarz_of(rich);

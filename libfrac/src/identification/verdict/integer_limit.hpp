@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -17,6 +18,8 @@ inline const double least_visible = least_departure * std::numbers::pi / 2;
 /// relative to the data, by which their weighted residuals differ from those of an integer-order candidate that they
 /// contain, as a diffusion behind a lag contains the lag, and that is the better one by Schwarz's criterion; infinite
 /// where that is not below least_visible.
-void find_integer_limits(std::vector<Competitor>& competitors);
+/// @param contains  whether a formula is another one at its optimum, richer one first
+void find_integer_limits(std::vector<Competitor>& competitors,
+                         const std::function<bool(const FitResult&, const FitResult&)>& contains);
 
 }  // namespace frac::detail
