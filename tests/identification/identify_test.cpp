@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -476,6 +477,65 @@ TEST(Verdict, NotSupportedAsksThatADepartureWouldHaveBeenSeen) {
   EXPECT_EQ(clear.verdict, Verdict::fractional_not_supported) << clear.verdict_sentence;
   // An order of 0.9 or 1.1 lies tens of standard errors away: s = noise/(sensitivity sqrt(n)) is below 0.005.
   EXPECT_LT(clear.departure_evidence, -50);
+}
+
+// Formulas that contain a lag with their diffusion gone follow it as closely, and their orders are numbers.  Seen would
+// be what changes a value by pi/20, the angle by which s^0.1 turns: 16 times noise of 1 %, 5 times noise of 3 %.
+TEST(Verdict, ALagIsDecidedBesideDiffusionThatDoesNotShow) {
+  const auto candidates =
+      models({"lag", "r-rc", "oscillator", "diffusion-through-lag", "rc-and-warburg-short", "rc-and-warburg-open"});
+  for (const double noise : {0.001, 0.01, 0.03}) {
+    const auto result =
+        frac::identify(support::noisy_response("2/(3 s + 1)", {}, noise, 4u, 60), candidates, {}, both_parts());
+    EXPECT_EQ(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
+    EXPECT_GT(result.evidence, -8);
+    EXPECT_NE(result.notes.front().find("does not show"), std::string::npos) << result.notes.front();
+  }
+}
+
+// The same numbers in other units: factors of 2 change no digit, and the optima are the same to what a solver leaves
+// of the cost, 1e-6 of n ln(cost) at most.
+TEST(Verdict, WhatDoesNotShowDoesSoInNoUnit) {
+  const auto candidates = models({"lag", "diffusion-through-lag"});
+  const auto data = support::noisy_response("1/(s + 1)", {}, 0.01, 4u, 60);
+  const auto told = frac::identify(data, candidates, {}, both_parts());
+  for (const double unit : {std::exp2(-60), std::exp2(40)}) {
+    std::vector<double> omega = data.omega();
+    std::vector<std::complex<double>> value = data.value();
+    for (double& each : omega) each *= std::exp2(10);
+    for (auto& each : value) each *= unit;
+    const auto result = frac::identify(frac::FrequencyResponseData(omega, value), candidates, {}, both_parts());
+    EXPECT_EQ(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
+    EXPECT_NEAR(result.departure_evidence, told.departure_evidence, 120 * 1e-6 * 10);
+  }
+}
+
+// Diffusion that shows is never refuted: neither beyond pi/20 of the response, as at the upper end of these four
+// decades, where 1/cosh(sqrt(0.02 s)) falls to 0.3, nor a fiftieth of it that the data ask for.
+TEST(Verdict, DiffusionBehindALagThatShowsIsNotRefuted) {
+  const auto candidates =
+      models({"lag", "oscillator", "three-lags", "diffusion-through-lag", "rc-and-warburg-short", "rational"});
+  const auto verdict_on = [&](const char* formula, double noise, unsigned seed) {
+    return frac::identify(support::noisy_response(formula, {}, noise, seed, 60), candidates, {}, both_parts()).verdict;
+  };
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    EXPECT_NE(verdict_on("1/((s + 1) cosh(sqrt(0.02 s)))", 0.03, seed), Verdict::fractional_not_supported) << seed;
+    EXPECT_NE(verdict_on("1/((s + 1) cosh(sqrt(0.002 s)))", 1e-3, seed), Verdict::fractional_not_supported) << seed;
+    EXPECT_NE(verdict_on("0.3 + 1/(s + 1) + 0.4 tanh(sqrt(10 s))/sqrt(10 s)", 0.03, seed),
+              Verdict::fractional_not_supported)
+        << seed;
+  }
+}
+
+// By the definition: of 100 residuals of rms 1 % that are 4 % of a value apart from those of the lag, pi/20 - 0.04 is
+// missing, in units of their standard deviation sqrt(100/97) 1 %.
+TEST(Verdict, DepartureOfWhatHardlyShows) {
+  auto hardly = leaving(ModelClass::fractional, "K/((T2 s + 1) cosh(sqrt(T s)))", 3, 0.01);
+  EXPECT_EQ(frac::detail::orders_of(hardly, 1).departure, 0);
+  hardly.from_integer_limit = 0.04;
+  const double missing = std::numbers::pi / 20 - 0.04, error = 0.01 * std::sqrt(100.0 / 97);
+  EXPECT_NEAR(frac::detail::orders_of(hardly, 1).departure, std::pow(missing / error, 2), 1e-9);
+  EXPECT_NEAR(frac::detail::orders_of(hardly, 0.5).departure, std::pow(missing / error, 2) / 2, 1e-9);
 }
 
 // Neither a lag nor a fractional lag follows three poles: one being better than the other says nothing.

@@ -297,6 +297,21 @@ TEST(Verdict, OverTimeAFractionalLagIsSupported) {
   EXPECT_NE(result.skipped[0].find("differentiator"), std::string::npos) << result.skipped[0];
 }
 
+// With its diffusion gone a cell is the lag over again.  Noise may pay for a diffusion now and then, or make the lag
+// predict worse, and then the record is left open.
+TEST(Verdict, OverTimeALagIsDecidedBesideDiffusionThatDoesNotShow) {
+  auto models = candidates();
+  for (const char* name : {"r-rc", "rc-and-warburg-short", "finite-warburg-short", "diffusion-through-lag"})
+    models.push_back(frac::find_model(name));
+  int decided = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto result = frac::identify(step_record([](double t) { return 1 - std::exp(-t); }, 6, 151, 0.01, seed),
+                                       models, frac::TimeFitOptions{});
+    decided += result.verdict == frac::Verdict::fractional_not_supported;
+  }
+  EXPECT_GE(decided, 6);
+}
+
 // The fractional oscillator has as many parameters as three lags with a gain.
 TEST(Verdict, OverTimeThreeLagsAreNotFractional) {
   auto models = candidates();

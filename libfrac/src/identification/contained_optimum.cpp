@@ -242,6 +242,10 @@ std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, 
   return found ? std::optional(found->at(nothing)) : std::nullopt;
 }
 
+bool contains(const FitResult& rich, const FitResult& simple) {
+  return containment_of(Structure(rich.model), limits_in_force(rich), simple).has_value();
+}
+
 std::optional<FitResult> fit_from_contained(const FitResult& rich, const FitResult& simple,
                                             const std::vector<ParameterConstraint>& constraints,
                                             const FitOfData& fit_of) {

@@ -28,6 +28,9 @@ namespace frac::detail {
 /// within its limits.
 [[nodiscard]] std::optional<std::vector<double>> start_from_contained(const NamedModel& rich, const FitResult& simple);
 
+/// Whether a structure is another one at its optimum, within its limits in force.
+[[nodiscard]] bool contains(const FitResult& rich, const FitResult& simple);
+
 /// How a structure is fitted: by a search, from start values alone, or as refit() does.
 enum class FitFrom { search, start, search_for_residuals };
 /// Fits structures to the same data under the same weights, each with its constraints.

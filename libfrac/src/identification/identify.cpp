@@ -28,6 +28,7 @@
 #include "identification/verdict/assumptions.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/finalists.hpp"
+#include "identification/verdict/integer_limit.hpp"
 #include "identification/verdict/verdict.hpp"
 
 namespace frac {
@@ -387,6 +388,7 @@ IdentificationResult ranked(const Data& data, FittedCandidates candidates, const
     result.ranking.push_back(competitor.ranked);
   }
   result.chosen = chosen_of(result.ranking);
+  detail::find_integer_limits(competitors, detail::contains);
   detail::judge(result, data, options, competitors, candidates.skipped_rivals);
   keep_to_verdict(result);
   // Over time nothing is assumed, and no sums of elements grow.

@@ -215,7 +215,7 @@ void describe(Result& result, const Visit& visit) {
         result.verdict);
   visit("evidence", "1", "twice the logarithm of the odds of fractional to integer order, by these data",
         result.evidence);
-  visit("departure_evidence", "1", "evidence for an order at least 0.1 from every whole number",
+  visit("departure_evidence", "1", "evidence for an order at least 0.1 from every whole number that shows in the data",
         result.departure_evidence);
   visit("evidence_beside_smooth_error", "1", "evidence where the data may hold a smooth error of usual size",
         result.evidence_beside_smooth_error);

@@ -108,7 +108,10 @@ struct DistributionRival {
 ///
 /// An order departs where it lies 0.1 or more from every whole number.  Departure evidence is that of the best
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
-/// them.
+/// them.  What departs has to show, too.  s^0.1 turns the phase by 0.1 pi/2, and by as much, as a share of it, some
+/// value has to differ from what an integer-order candidate gives it that the fractional one contains, as a diffusion
+/// behind a lag contains the lag.  That holds where Schwarz's criterion prefers the integer-order one of these two, and
+/// for formulas whose orders are written as numbers as for others.
 ///
 /// supported      evidence above 10 (over time above 20), also beside a smooth error, cross-validation not
 ///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
@@ -150,7 +153,7 @@ struct IdentificationResult {
   Verdict verdict;
   double evidence;  // NaN when one side has no candidate
   /// Evidence for the best fractional candidate, members that its family had not chosen among them, with an order at
-  /// least 0.1 from every whole number.
+  /// least 0.1 from every whole number, where it shows.
   double departure_evidence;
   /// Both where the data may hold a smooth error of usual size besides their noise, 1 % of the response or ten times
   /// what the closest candidate leaves: models that spend parameters on following it gain nothing by that.  Of all

@@ -9,6 +9,7 @@
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/verdict/finalists.hpp"
+#include "identification/verdict/integer_limit.hpp"
 
 namespace frac::detail {
 namespace {
@@ -25,6 +26,16 @@ double fall_of_evidence(const FitResult& fit, const Orders& orders) {
   return static_cast<double>(fit.residuals) * std::log1p(orders.departure / degrees_of(fit));
 }
 
+/// Squared standard errors to where a candidate shows that it is fractional.  It then changes some value by
+/// least_visible, so that all residuals together change by at least that against the integer-order limit, and by what
+/// is missing to it from here; the sum of squares rises by the square of that from its minimum.
+double departure_from_limit(const Competitor& competitor) {
+  const double missing = std::max(0.0, least_visible - competitor.from_integer_limit);
+  const double error = competitor.ranked.fit.relative_rms;
+  const auto residuals = static_cast<double>(competitor.residual.size());
+  return missing > 0 ? missing * missing * degrees_of(competitor.ranked.fit) / (residuals * error * error) : 0;
+}
+
 }  // namespace
 
 double evidence_for(const Competitor& fractional, const Competitor& integer, double share) {
@@ -38,7 +49,8 @@ double evidence_for(const Competitor& fractional, const Competitor& integer, dou
   return share * (misfit_term(integer) - misfit_term(fractional)) + price(integer) - price(fractional);
 }
 
-Orders orders_of(const FitResult& fit, double share) {
+Orders orders_of(const Competitor& competitor, double share) {
+  const FitResult& fit = competitor.ranked.fit;
   const Structure structure(fit.model);
   const double degrees = degrees_of(fit);
   const double widening = 1 / std::sqrt(share);
@@ -77,6 +89,8 @@ Orders orders_of(const FitResult& fit, double share) {
   }
   // Where orders are written into the formula as numbers, nothing has to change for one of them to depart.
   if (!orders.any_free) orders.departure = 0;
+  orders.any_departs = orders.departure == 0;
+  orders.departure = std::max(orders.departure, share * departure_from_limit(competitor));
   orders.all_nearly_whole = orders.all_nearly_whole && orders.any_free;
   return orders;
 }
@@ -87,8 +101,7 @@ Departure evidence_of_departure(const std::vector<Competitor>& competitors, cons
     if (!each.is_fractional() || each.stands_in || each.passive) continue;
     const double evidence = evidence_for(each, integer, share);
     if (!(evidence > most.evidence)) continue;
-    const FitResult& fit = each.ranked.fit;
-    const double falls = std::min(fall_of_evidence(fit, orders_of(fit, share)), share * each.departed);
+    const double falls = std::min(fall_of_evidence(each.ranked.fit, orders_of(each, share)), share * each.departed);
     if (evidence - falls > most.evidence) most = {evidence - falls, each.ranked.fit.free_parameters};
   }
   return most;
@@ -126,7 +139,7 @@ EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competi
     fractional = std::min(fractional, against);
     // A smooth error adds to the variance that the errors of the orders were told from.
     const double share = independent_share(own.correlation);
-    const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
+    const double falls = std::min(orders_of(each, share).departure, share * each.departed);
     departing = std::min(departing, against + falls * share_of_noise(own, least));
   }
   const auto compared = [&](double other) {

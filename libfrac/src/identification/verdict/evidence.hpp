@@ -14,16 +14,17 @@ namespace frac::detail {
 /// @param share  of the points that carry news
 [[nodiscard]] double evidence_for(const Competitor& fractional, const Competitor& integer, double share);
 
-/// What the intervals of a fit say about its orders.
+/// What a fit says about its orders.
 struct Orders {
   bool any_free = false;
   const ParameterEstimate* decided = nullptr;  // the one farthest (in intervals) from every whole number
   /// Squared standard errors, widened as much as the share asks for, from the estimate to the nearest order that
-  /// departs(); 0 where one does already.
+  /// departs() and to where what is fractional shows, whichever is farther; 0 where an order does both already.
   double departure = std::numeric_limits<double>::infinity();
   bool all_nearly_whole = true;  // each known to be within 0.02 of one, which may lie outside the interval
+  bool any_departs = false;      // or is not known; so are those that are written as numbers
 };
-[[nodiscard]] Orders orders_of(const FitResult& fit, double share);
+[[nodiscard]] Orders orders_of(const Competitor& competitor, double share);
 
 /// Evidence of the best candidate with an order that departs() against the integer-order finalist.
 struct Departure {

@@ -126,6 +126,11 @@ std::string against_integer_predictions(const IdentificationResult& result, cons
   return predicts ? "" : ", but the integer-order one predicts left-out points worse";
 }
 
+/// Whether orders depart and nothing shows of it.
+bool does_not_show(const Orders& orders) {
+  return orders.any_departs && orders.departure > 0;
+}
+
 /// Whether both meet the data to rounding: then the simpler one has done so with less.
 bool equally_exact(const IdentificationResult& result, const Comparison& pair) {
   return meets_exactly(pair.integer) && meets_exactly(pair.fractional) &&
@@ -146,7 +151,9 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   if (integer_objection.empty() && !exact) integer_objection = against_integer_predictions(result, pair);
   if (!integer_objection.empty()) return {Verdict::undecided, integer_objection};
   return {Verdict::fractional_not_supported,
-          pair.orders.departure > 0 ? "; every order of the fractional one is whole" : ""};
+          does_not_show(pair.orders)  ? "; what is fractional of the fractional one does not show"
+          : pair.orders.departure > 0 ? "; every order of the fractional one is whole"
+                                      : ""};
 }
 
 bool decides(double evidence) {
@@ -155,7 +162,7 @@ bool decides(double evidence) {
 
 bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
   const bool refused = verdict == Verdict::fractional_not_supported && result.evidence > 0;
-  return refused || (pair.orders.any_free && pair.orders.all_nearly_whole);
+  return refused || does_not_show(pair.orders) || (pair.orders.any_free && pair.orders.all_nearly_whole);
 }
 
 double log10_odds(double evidence, Verdict verdict) {

@@ -145,7 +145,7 @@ Comparison comparison_of(const Data& data, const OptionsOf<Data>& options, const
           .fractional_follows = finalists.fractional_follows || comes_close(f),
           .integer_follows = finalists.integer_follows || comes_close(i),
           .share = share,
-          .orders = orders_of(f.ranked.fit, share),
+          .orders = orders_of(f, share),
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
           .rounded = rounded,
