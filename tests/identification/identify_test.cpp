@@ -532,7 +532,7 @@ TEST(Verdict, DiffusionBehindALagThatShowsIsNotRefuted) {
 TEST(Verdict, DepartureOfWhatHardlyShows) {
   auto hardly = leaving(ModelClass::fractional, "K/((T2 s + 1) cosh(sqrt(T s)))", 3, 0.01);
   EXPECT_EQ(frac::detail::orders_of(hardly, 1).departure, 0);
-  hardly.from_integer_limit = 0.04;
+  hardly.from_integer_limit = [] { return 0.04; };
   const double missing = std::numbers::pi / 20 - 0.04, error = 0.01 * std::sqrt(100.0 / 97);
   EXPECT_NEAR(frac::detail::orders_of(hardly, 1).departure, std::pow(missing / error, 2), 1e-9);
   EXPECT_NEAR(frac::detail::orders_of(hardly, 0.5).departure, std::pow(missing / error, 2) / 2, 1e-9);

@@ -201,7 +201,8 @@ std::vector<Structure> without_a_term(const Structure& structure) {
 
 std::vector<ParameterLimits> limits_in_force(const FitResult& fit) {
   std::vector<ParameterLimits> limits;
-  for (std::size_t i = 0; i < Structure(fit.model).parameter_names().size(); ++i) {
+  const std::size_t own = Structure(fit.model).parameter_names().size();
+  for (std::size_t i = 0; i < own; ++i) {
     const ParameterEstimate& each = fit.parameters[i];
     limits.push_back(each.fixed ? ParameterLimits{each.value, each.value}
                                 : ParameterLimits{each.lower_limit, each.upper_limit});

@@ -103,7 +103,6 @@ struct Extent {
   double settled = detail::LocalOptions{}.cost_tolerance;  // see frequency_search()
   /// Where given, very many points are fitted no worse than by structures contained under these options.
   const FitOptions* compared = nullptr;
-  bool for_residuals = false;  // which change little along a valley; errors are told only where they are at hand
 };
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
@@ -296,9 +295,10 @@ class ComponentFit {
     if (solution_.means) refine_on_all(problem_, extent_.settled, solution_);
     if (solution_.starts_at_best == 0) return;
     detail::LocalSolution& best = solution_.best;
-    if (!best.converged && !extent_.for_residuals) {
+    if (!best.converged) {
       detail::LocalOptions patient;
       patient.iterations = 1000;
+      patient.cost_tolerance = extent_.settled;
       best = local_solve(problem_.residuals(), best.theta, patient);
     }
     order_parts();
@@ -395,8 +395,7 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
                          Extent extent) {
   detail::require_function_of_s(structure);
   if (options.weight != Weight::learned || options.noise_floor) {
-    ComponentFit fit(data, structure, options, extent);
-    FitResult result = extent.for_residuals ? fit.found() : fit.described();
+    FitResult result = ComponentFit(data, structure, options, extent).described();
     if (options.weight == Weight::learned) result.noise_floor = *options.noise_floor;
     return result;
   }
@@ -595,10 +594,7 @@ FitResult detail::response_fit_without_profiles(const FrequencyResponseData& dat
 }
 
 FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  Extent extent{false, false};
-  extent.settled = settled_refit;
-  extent.for_residuals = true;
-  return fit_with_floor(data, structure, options, extent);
+  return fit_with_floor(data, structure, options, {false, false, everything, Profiled::all, settled_refit});
 }
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,

@@ -149,8 +149,7 @@ class Search {
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
   [[nodiscard]] bool is_hopeless() const { return least_end_ > hopeless_; }
   [[nodiscard]] bool settled() const {
-    return at_best() >= agreement &&
-           (only_start_ || confidence() >= (is_hopeless() ? enough_for_hopeless : enough_confidence));
+    return at_best() >= agreement && (only_start_ || confidence() >= enough_confidence);
   }
   [[nodiscard]] bool same(double cost, double least) const {
     return cost <= least * (1 + (is_hopeless() ? equally_hopeless : equally_good)) + residuals_.rounding_cost();

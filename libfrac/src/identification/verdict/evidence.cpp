@@ -30,27 +30,14 @@ double fall_of_evidence(const FitResult& fit, const Orders& orders) {
 /// least_visible, so that all residuals together change by at least that against the integer-order limit, and by what
 /// is missing to it from here; the sum of squares rises by the square of that from its minimum.
 double departure_from_limit(const Competitor& competitor) {
-  const double missing = std::max(0.0, least_visible - competitor.from_integer_limit);
+  const double missing = std::max(0.0, least_visible - competitor.from_integer_limit());
   const double error = competitor.ranked.fit.relative_rms;
   const auto residuals = static_cast<double>(competitor.residual.size());
   return missing > 0 ? missing * missing * degrees_of(competitor.ranked.fit) / (residuals * error * error) : 0;
 }
 
-}  // namespace
-
-double evidence_for(const Competitor& fractional, const Competitor& integer, double share) {
-  const double n = static_cast<double>(fractional.residual.size());
-  // Where both meet the data to rounding, what each needed for it is all that tells them apart.
-  if (meets_exactly(fractional) && meets_exactly(integer)) {
-    return price_of_parameters(integer.parameters(), n) - price_of_parameters(fractional.parameters(), n);
-  }
-  const double news = std::log(std::max(share * n, 2.0)) / std::log(n);
-  const auto price = [&](const Competitor& each) { return news * price_of_parameters(each.parameters(), n); };
-  return share * (misfit_term(integer) - misfit_term(fractional)) + price(integer) - price(fractional);
-}
-
-Orders orders_of(const Competitor& competitor, double share) {
-  const FitResult& fit = competitor.ranked.fit;
+/// What the intervals of a fit say about its orders.
+Orders orders_of(const FitResult& fit, double share) {
   const Structure structure(fit.model);
   const double degrees = degrees_of(fit);
   const double widening = 1 / std::sqrt(share);
@@ -90,8 +77,30 @@ Orders orders_of(const Competitor& competitor, double share) {
   // Where orders are written into the formula as numbers, nothing has to change for one of them to depart.
   if (!orders.any_free) orders.departure = 0;
   orders.any_departs = orders.departure == 0;
-  orders.departure = std::max(orders.departure, share * departure_from_limit(competitor));
   orders.all_nearly_whole = orders.all_nearly_whole && orders.any_free;
+  return orders;
+}
+
+void ask_to_show(Orders& orders, const Competitor& competitor, double share) {
+  orders.departure = std::max(orders.departure, share * departure_from_limit(competitor));
+}
+
+}  // namespace
+
+double evidence_for(const Competitor& fractional, const Competitor& integer, double share) {
+  const double n = static_cast<double>(fractional.residual.size());
+  // Where both meet the data to rounding, what each needed for it is all that tells them apart.
+  if (meets_exactly(fractional) && meets_exactly(integer)) {
+    return price_of_parameters(integer.parameters(), n) - price_of_parameters(fractional.parameters(), n);
+  }
+  const double news = std::log(std::max(share * n, 2.0)) / std::log(n);
+  const auto price = [&](const Competitor& each) { return news * price_of_parameters(each.parameters(), n); };
+  return share * (misfit_term(integer) - misfit_term(fractional)) + price(integer) - price(fractional);
+}
+
+Orders orders_of(const Competitor& competitor, double share) {
+  Orders orders = orders_of(competitor.ranked.fit, share);
+  ask_to_show(orders, competitor, share);
   return orders;
 }
 
@@ -101,8 +110,12 @@ Departure evidence_of_departure(const std::vector<Competitor>& competitors, cons
     if (!each.is_fractional() || each.stands_in || each.passive) continue;
     const double evidence = evidence_for(each, integer, share);
     if (!(evidence > most.evidence)) continue;
-    const double falls = std::min(fall_of_evidence(each.ranked.fit, orders_of(each, share)), share * each.departed);
-    if (evidence - falls > most.evidence) most = {evidence - falls, each.ranked.fit.free_parameters};
+    const FitResult& fit = each.ranked.fit;
+    const double of_members = share * each.departed;
+    Orders orders = orders_of(fit, share);
+    const auto left = [&] { return evidence - std::min(fall_of_evidence(fit, orders), of_members); };
+    if (left() > most.evidence && fall_of_evidence(fit, orders) < of_members) ask_to_show(orders, each, share);
+    if (left() > most.evidence) most = {left(), fit.free_parameters};
   }
   return most;
 }
@@ -139,8 +152,11 @@ EvidenceBesideSmoothError evidence_beside_smooth_error(const std::vector<Competi
     fractional = std::min(fractional, against);
     // A smooth error adds to the variance that the errors of the orders were told from.
     const double share = independent_share(own.correlation);
-    const double falls = std::min(orders_of(each, share).departure, share * each.departed);
-    departing = std::min(departing, against + falls * share_of_noise(own, least));
+    const double of_members = share * each.departed, of_noise = share_of_noise(own, least);
+    Orders orders = orders_of(each.ranked.fit, share);
+    const auto against_departing = [&] { return against + std::min(orders.departure, of_members) * of_noise; };
+    if (against_departing() < departing && orders.departure < of_members) ask_to_show(orders, each, share);
+    departing = std::min(departing, against_departing());
   }
   const auto compared = [&](double other) {
     return std::isfinite(integer) && std::isfinite(other) ? integer - other : nan;

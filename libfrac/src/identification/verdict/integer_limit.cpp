@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <optional>
 
 #include "identification/statistics/information.hpp"
 
@@ -22,19 +24,26 @@ double schwarz_of(const Competitor& each) {
   return 2 * residuals * std::log(each.ranked.fit.rms) + price_of_parameters(each.parameters(), residuals);
 }
 
+double limit_of(const Competitor& rich, const std::vector<Competitor>& competitors, const Containing& contains) {
+  const double value = schwarz_of(rich);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Competitor& simple : competitors) {
+    if (simple.ranked.model_class != ModelClass::integer_order || !(schwarz_of(simple) < value)) continue;
+    const double apart = distance(rich, simple);
+    if (apart < std::min(least_visible, nearest) && contains(rich.ranked.fit, simple.ranked.fit)) nearest = apart;
+  }
+  return nearest;
+}
+
 }  // namespace
 
-void find_integer_limits(std::vector<Competitor>& competitors,
-                         const std::function<bool(const FitResult&, const FitResult&)>& contains) {
+void find_integer_limits(std::vector<Competitor>& competitors, const Containing& contains) {
   for (Competitor& rich : competitors) {
     if (!rich.is_fractional()) continue;
-    const double value = schwarz_of(rich);
-    for (const Competitor& simple : competitors) {
-      if (simple.ranked.model_class != ModelClass::integer_order || !(schwarz_of(simple) < value)) continue;
-      const double apart = distance(rich, simple);
-      if (apart < std::min(least_visible, rich.from_integer_limit) && contains(rich.ranked.fit, simple.ranked.fit))
-        rich.from_integer_limit = apart;
-    }
+    rich.from_integer_limit = [&rich, &competitors, contains, known = std::optional<double>()]() mutable {
+      if (!known) known = limit_of(rich, competitors, contains);
+      return *known;
+    };
   }
 }
 
