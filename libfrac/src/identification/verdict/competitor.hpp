@@ -21,7 +21,7 @@ struct Competitor {
   bool stands_in = false;      // for an unstable member of its family, which takes part in the verdict
   bool passive = false;        // a sum of passive elements, which takes no part in it
   bool is_such_a_sum = false;  // a preset that is the same model as one of these
-  /// What find_integer_limits() says, when it is asked for: formulas of families take long to compare.
+  /// What find_integer_limits() says, when it is asked for: comparing formulas takes some milliseconds.
   std::function<double()> from_integer_limit = [] { return std::numeric_limits<double>::infinity(); };
 
   [[nodiscard]] bool is_fractional() const { return ranked.model_class == ModelClass::fractional; }

@@ -28,7 +28,8 @@ double limit_of(const Competitor& rich, const std::vector<Competitor>& competito
   const double value = schwarz_of(rich);
   double nearest = std::numeric_limits<double>::infinity();
   for (const Competitor& simple : competitors) {
-    if (simple.ranked.model_class != ModelClass::integer_order || !(schwarz_of(simple) < value)) continue;
+    if (simple.ranked.model_class != ModelClass::integer_order || simple.parameters() >= rich.parameters()) continue;
+    if (!(schwarz_of(simple) < value)) continue;
     const double apart = distance(rich, simple);
     if (apart < std::min(least_visible, nearest) && contains(rich.ranked.fit, simple.ranked.fit)) nearest = apart;
   }
@@ -39,7 +40,7 @@ double limit_of(const Competitor& rich, const std::vector<Competitor>& competito
 
 void find_integer_limits(std::vector<Competitor>& competitors, const Containing& contains) {
   for (Competitor& rich : competitors) {
-    if (!rich.is_fractional()) continue;
+    if (!rich.is_fractional() || rich.ranked.from_family) continue;
     rich.from_integer_limit = [&rich, &competitors, contains, known = std::optional<double>()]() mutable {
       if (!known) known = limit_of(rich, competitors, contains);
       return *known;
