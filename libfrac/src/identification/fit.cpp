@@ -298,7 +298,6 @@ class ComponentFit {
     if (!best.converged) {
       detail::LocalOptions patient;
       patient.iterations = 1000;
-      patient.cost_tolerance = extent_.settled;
       best = local_solve(problem_.residuals(), best.theta, patient);
     }
     order_parts();
