@@ -111,7 +111,7 @@ struct DistributionRival {
 /// them.  What departs has to show, too.  s^0.1 turns the phase by 0.1 pi/2, and by as much, as a share of it, some
 /// value has to differ from what an integer-order candidate gives it that the fractional one contains, as a diffusion
 /// behind a lag contains the lag.  That holds where Schwarz's criterion prefers the integer-order one of these two, and
-/// for formulas whose orders are written as numbers as for others.
+/// for formulas whose orders are written as numbers as for others, members of families left out.
 ///
 /// supported      evidence above 10 (over time above 20), also beside a smooth error, cross-validation not
 ///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval

@@ -22,9 +22,7 @@ constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A structure that something else beats by far is told by its rms, to a part in a hundred: twice that in its cost is
-// the same, solves end a hundred times closer, and one minimum in five may be missed (rates in
-// tests/benchmarks/ranking_rates).
-constexpr double enough_for_hopeless = 0.8;
+// the same, and solves end a hundred times closer (rates in tests/benchmarks/ranking_rates).
 constexpr double equally_hopeless = 0.02;
 constexpr double scouting_hopeless = 1e-4;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that

@@ -20,8 +20,9 @@ using Containing = std::function<bool(const FitResult&, const FitResult&)>;
 /// Tells fractional candidates how far they are from being of integer order: the least root of the sum of squares,
 /// relative to the data, by which their weighted residuals differ from those of an integer-order candidate that they
 /// contain, as a diffusion behind a lag contains the lag, and that is the better one by Schwarz's criterion; infinite
-/// where that is not below least_visible, and for members of families: their orders are free, or one of a row.  It is
-/// found when it is asked for first, and among these competitors, which have to stay where they are.
+/// where that is not below least_visible, and for members of families, of which FamilyMembers tells how far they are
+/// from departing.  It is found when it is asked for first, and among these competitors, which have to stay where they
+/// are.
 void find_integer_limits(std::vector<Competitor>& competitors, const Containing& contains);
 
 }  // namespace frac::detail
