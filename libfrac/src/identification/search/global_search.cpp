@@ -380,7 +380,7 @@ class Search {
   std::mt19937_64 generator_;
   GlobalSolution result_;
   std::vector<Scout> scouts_;
-  double least_end_ = std::numeric_limits<double>::infinity();  // of all scouts, ever
+  double least_end_ = std::numeric_limits<double>::infinity();  // that any scout has had
   std::size_t independent_ = 0;  // scouts from seeded starts, not from the best of the others
 };
 
