@@ -62,6 +62,22 @@ FRACFIT_INLINE inline void take_out_of_all(const double* unit, std::size_t rows,
   for (; c < count; ++c) take_out<width, 1>(unit, rows, columns + c * stride, stride, share + c, squares + c);
 }
 
+/// The products of a vector with some columns.
+template <std::size_t width, std::size_t count>
+FRACFIT_INLINE inline void multiply(const double* vector, std::size_t rows, const double* columns, std::size_t stride,
+                                    double* products) {
+  using Wide = Doubles<width>;
+  const std::size_t whole = rows / width * width;
+  typename Wide::Type product[count] = {};
+  for (std::size_t i = 0; i < whole; i += width)
+    for (std::size_t c = 0; c < count; ++c) product[c] += Wide::at(vector + i) * Wide::at(columns + c * stride + i);
+  for (std::size_t c = 0; c < count; ++c) {
+    products[c] = 0;
+    for (std::size_t l = 0; l < width; ++l) products[c] += product[c][l];
+    for (std::size_t i = whole; i < rows; ++i) products[c] += vector[i] * columns[c * stride + i];
+  }
+}
+
 template <typename Work>
 void in_wide_vectors(const Work& work) {
   if (instruction_set() == InstructionSet::plain)
@@ -135,6 +151,23 @@ Orthonormalised orthonormalised(Eigen::MatrixXd columns, const Eigen::VectorXd& 
   else
     result.basis = columns.leftCols(rank);
   return result;
+}
+
+Eigen::MatrixXd products_of(const Eigen::MatrixXd& columns) {
+  const auto rows = static_cast<std::size_t>(columns.rows());
+  Eigen::MatrixXd products(columns.cols(), columns.cols());
+  in_wide_vectors([&]<std::size_t width>() FRACFIT_INLINE {
+    constexpr Index together = 4;
+    for (Index k = 0; k < columns.cols(); ++k) {
+      double* const above = products.col(k).data();
+      Index j = 0;
+      for (; j + together <= k + 1; j += together)
+        multiply<width, together>(columns.col(k).data(), rows, columns.col(j).data(), rows, above + j);
+      for (; j <= k; ++j) multiply<width, 1>(columns.col(k).data(), rows, columns.col(j).data(), rows, above + j);
+      products.row(k).head(k) = products.col(k).head(k);
+    }
+  });
+  return products;
 }
 
 void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns) {

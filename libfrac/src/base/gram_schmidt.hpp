@@ -24,6 +24,9 @@ struct Orthonormalised {
 /// @param threshold  remaining columns below this share of the longest one count as zero
 [[nodiscard]] Orthonormalised orthonormalised(Eigen::MatrixXd columns, const Eigen::VectorXd& vector, double threshold);
 
+/// columns' columns, of few columns: Eigen's product is made for large matrices.
+[[nodiscard]] Eigen::MatrixXd products_of(const Eigen::MatrixXd& columns);
+
 /// Takes from the columns what lies in the space of an orthonormal basis.
 void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns);
 

@@ -40,7 +40,9 @@ double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd
 void solve_part(const NormalEquations& normal, const Eigen::VectorXd& slope, const std::vector<Index>& parameters,
                 double least, std::vector<double>& x) {
   const std::size_t count = parameters.size();
-  std::vector<double> factor(count * count), pivot(count);
+  thread_local std::vector<double> factor, pivot;
+  factor.resize(count * count);
+  pivot.resize(count);
   x.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     double* const row = factor.data() + i * count;
@@ -227,12 +229,7 @@ NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivati
   Eigen::MatrixXd jacobian(linear.residual.size(), derivatives.cols());
   for (Index k = 0; k < derivatives.cols(); ++k) put(derivatives.col(k), jacobian.col(k));
   remove_span(linear.orthonormal, jacobian);
-  NormalEquations result{Eigen::MatrixXd(jacobian.cols(), jacobian.cols()), jacobian.transpose() * linear.residual};
-  // Eigen's product is made for large matrices.
-  for (Index k = 0; k < jacobian.cols(); ++k) {
-    for (Index j = 0; j <= k; ++j) result.matrix(j, k) = result.matrix(k, j) = jacobian.col(j).dot(jacobian.col(k));
-  }
-  return result;
+  return {products_of(jacobian), jacobian.transpose() * linear.residual};
 }
 
 // From 0 towards the least cost as far as the first bound, on along it, and off bounds that hold back no longer: each

@@ -169,9 +169,9 @@ bool LaplaceResiduals::evaluate(std::span<const double> theta, double* residual,
   return true;
 }
 
-double LaplaceResiduals::best_factor(std::span<const double> theta) const {
+Residuals::BestFactor LaplaceResiduals::best_factor(std::span<const double> theta) const {
   std::vector<double> rest;
-  if (!evaluate_all(theta, rest)) return 1;
+  if (!evaluate_all(theta, rest)) return {};
   // The residual is model - data: the factor of the model by least squares, the offset left aside.
   double both = 0, power = 0;
   for (std::size_t i = 0; i < points(); ++i) {
@@ -180,7 +180,8 @@ double LaplaceResiduals::best_factor(std::span<const double> theta) const {
     power += std::norm(model);
   }
   const double factor = both / power;
-  return factor > 0 && std::isfinite(factor) ? factor : 1;
+  if (!(factor > 0 && std::isfinite(factor))) return {};
+  return {factor};
 }
 
 FrequencyResponseData LaplaceResiduals::quotient() const {

@@ -25,7 +25,7 @@ class LaplaceResiduals final : public Residuals {
   [[nodiscard]] std::size_t per_point() const noexcept override { return 2; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return free_offset_ ? 1 : 0; }
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
-  [[nodiscard]] double best_factor(std::span<const double> theta) const override;
+  [[nodiscard]] BestFactor best_factor(std::span<const double> theta) const override;
 
   /// Y/U at real s, in place of a frequency response: its slopes suggest orders.
   [[nodiscard]] FrequencyResponseData quotient() const;

@@ -71,6 +71,12 @@ ResidualAxis FrequencyResiduals::axis(std::span<const double> theta) const {
   return axis;
 }
 
+double FrequencyResiduals::wall(std::span<const double> parameters) const {
+  // A finite wall, which a solver steps back from; one that is not finite would stop it after a few steps.
+  constexpr double height = 1e6;
+  return only_stable_ && is_unstable(structure_, parameters).value_or(false) ? height : 1;
+}
+
 bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   const std::vector<double> parameters = map().to_user(theta);
   if (jacobian) {
@@ -79,9 +85,7 @@ bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residua
     structure_.response(parameters, data_.omega(), realisation_, value_);
   }
   if (!rule_.residuals(value_, data_.value(), residual)) return false;
-  // A finite wall, which a solver steps back from; one that is not finite would stop it after a few steps.
-  constexpr double wall = 1e6;
-  const double height = only_stable_ && is_unstable(structure_, parameters).value_or(false) ? wall : 1;
+  const double height = wall(parameters);
   if (height != 1) std::for_each_n(residual, count(), [&](double& each) { each *= height; });
   if (!jacobian) return true;
 
@@ -98,37 +102,55 @@ bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residua
   return true;
 }
 
-double FrequencyResiduals::best_factor(std::span<const double> theta) const {
-  std::vector<double> all;
-  if (rule_.form == ResidualForm::phase || !evaluate_all(theta, all)) return 1;
-  const bool logarithmic = rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude;
-  double product = 0, power = 0, sum = 0;
-  for (std::size_t i = 0; i < points(); ++i) {
-    const std::complex<double> datum = data_.value()[i];
-    const double* residual = all.data() + i * per_point();
-    sum += residual[0];
-    const auto add = [&](double rest, double target) {
-      product += (rest + target) * target;
-      power += (rest + target) * (rest + target);
-    };
-    const double w = rule_.weight[i];
-    switch (rule_.form) {
-      case ResidualForm::imaginary:
-        add(residual[0], w * datum.imag());
-        break;
-      case ResidualForm::real:
-        add(residual[0], w * datum.real());
-        break;
-      case ResidualForm::cartesian:
-        add(residual[0], w * datum.real());
-        add(residual[1], w * datum.imag());
-        break;
-      default:
-        add(residual[0], w * std::abs(datum));
+Residuals::BestFactor FrequencyResiduals::best_factor(std::span<const double> theta) const {
+  if (rule_.form == ResidualForm::phase) return {};
+  throw_if_cancelled();
+  const std::vector<double> parameters = map().to_user(theta);
+  structure_.response(parameters, data_.omega(), realisation_, value_);
+  scratch_.resize(count());
+  if (!rule_.residuals(value_, data_.value(), scratch_.data())) return {1, std::numeric_limits<double>::infinity()};
+  double factor = 1, cost = 0, cost_without = 0;
+  if (rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude) {
+    double sum = 0;
+    for (std::size_t i = 0; i < scratch_.size(); ++i) {
+      if (i % per_point() == 0) sum += scratch_[i];
+      cost_without += scratch_[i] * scratch_[i];
     }
+    const double mean = sum / static_cast<double>(points());
+    factor = std::exp(-mean);
+    cost = cost_without - mean * sum;
+  } else {
+    double product = 0, power = 0, of_data = 0;
+    for (std::size_t i = 0; i < points(); ++i) {
+      const std::complex<double> datum = data_.value()[i];
+      const double* residual = scratch_.data() + i * per_point();
+      const auto add = [&](double rest, double target) {
+        product += (rest + target) * target;
+        power += (rest + target) * (rest + target);
+        of_data += target * target;
+      };
+      const double w = rule_.weight[i];
+      switch (rule_.form) {
+        case ResidualForm::imaginary:
+          add(residual[0], w * datum.imag());
+          break;
+        case ResidualForm::real:
+          add(residual[0], w * datum.real());
+          break;
+        case ResidualForm::cartesian:
+          add(residual[0], w * datum.real());
+          add(residual[1], w * datum.imag());
+          break;
+        default:
+          add(residual[0], w * std::abs(datum));
+      }
+    }
+    factor = product / power;
+    cost = of_data - factor * product;
+    cost_without = of_data - 2 * product + power;
   }
-  const double factor = logarithmic ? std::exp(-sum / static_cast<double>(points())) : product / power;
-  return factor > 0 && std::isfinite(factor) ? factor : 1;
+  const bool is_usable = factor > 0 && std::isfinite(factor);
+  return {is_usable ? factor : 1, std::max(0.0, std::pow(wall(parameters), 2) * (is_usable ? cost : cost_without))};
 }
 
 std::vector<std::vector<double>> Residuals::linear_fits(std::span<const double>) const {

@@ -54,7 +54,11 @@ class Residuals {
 
   /// Factor by which the whole model is to be multiplied to come nearest the data; 1 where there is no positive one or
   /// where the residuals are blind to it (phase).
-  [[nodiscard]] virtual double best_factor(std::span<const double> theta) const = 0;
+  struct BestFactor {
+    double factor = 1;
+    double least_cost = 0;  // the model times the factor costs no less, nor does it where bounds cut the factor
+  };
+  [[nodiscard]] virtual BestFactor best_factor(std::span<const double> theta) const = 0;
 
   /// Parameters whose coefficients come from linear least squares at the orders and delays of `near`, one per weighting
   /// that gives an answer.  None where the residuals are not linear in coefficients.
@@ -73,12 +77,12 @@ class Residuals {
   explicit Residuals(const ParameterMap& map) : map_(map) {}
   /// Residuals of all points at theta; false where the model is not finite.
   bool evaluate_all(std::span<const double> theta, std::vector<double>& residual) const;
+  mutable std::vector<double> scratch_;  // residuals
 
  private:
   const ParameterMap& map_;
   const Priors* priors_ = nullptr;
   double prior_weight_ = 0;
-  mutable std::vector<double> scratch_;
 };
 
 /// Residuals of a structure to a frequency response, in units of the rule.
@@ -92,11 +96,14 @@ class FrequencyResiduals final : public Residuals {
   [[nodiscard]] std::size_t per_point() const noexcept override { return rule_.per_point(); }
   [[nodiscard]] ResidualAxis axis(std::span<const double> theta) const override;
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
-  [[nodiscard]] double best_factor(std::span<const double> theta) const override;
+  [[nodiscard]] BestFactor best_factor(std::span<const double> theta) const override;
   /// Only with both parts of the response, and for ratios of sums of powers; see linear_start.hpp.
   [[nodiscard]] std::vector<std::vector<double>> linear_fits(std::span<const double> near) const override;
 
  private:
+  /// What residuals are multiplied by for the sake of stability.
+  [[nodiscard]] double wall(std::span<const double> parameters) const;
+
   const FrequencyResponseData& data_;
   const Structure& structure_;
   const Realisation& realisation_;

@@ -236,8 +236,8 @@ double TimeResiduals::location(const Eigen::VectorXd& values) const {
   return centre;
 }
 
-double TimeResiduals::best_factor(std::span<const double> theta) const {
-  if (!simulate(theta)) return 1;
+Residuals::BestFactor TimeResiduals::best_factor(std::span<const double> theta) const {
+  if (!simulate(theta)) return {};
   Eigen::VectorXd model = model_.value;
   Eigen::VectorXd target = output_;
   if (fixed_offset_) {
@@ -248,7 +248,8 @@ double TimeResiduals::best_factor(std::span<const double> theta) const {
   }
   const double factor =
       (average_.array() * model.array() * target.array()).sum() / (average_.array() * model.array().square()).sum();
-  return factor > 0 && std::isfinite(factor) ? factor : 1;
+  if (!(factor > 0 && std::isfinite(factor))) return {};
+  return {factor};
 }
 
 double TimeResiduals::rounding_cost() const noexcept {

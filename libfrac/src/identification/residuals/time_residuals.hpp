@@ -70,7 +70,7 @@ class TimeResiduals final : public Residuals {
   [[nodiscard]] Eigen::MatrixXd eliminated_columns() const override;
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   void set_loss(Loss loss, double scale) override;
-  [[nodiscard]] double best_factor(std::span<const double> theta) const override;
+  [[nodiscard]] BestFactor best_factor(std::span<const double> theta) const override;
   /// Simulation errors, correlated from point to point, decide where rounding would not yet.
   [[nodiscard]] double rounding_cost() const noexcept override;
 

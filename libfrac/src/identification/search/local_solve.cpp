@@ -13,6 +13,7 @@
 
 #include "bounded_solve.hpp"
 #include "frac/cancellation.hpp"
+#include "normal_solve.hpp"
 #include "triangular_form.hpp"
 
 namespace frac::detail {
@@ -165,6 +166,8 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
+  constexpr double scouting = 1e-9;
+  if (!loss && options.cost_tolerance >= scouting) return normal_solve(residuals, start, options);
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
@@ -193,14 +196,7 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   ceres::Solver::Options solver = solver_options(options.iterations, options.cost_tolerance);
   solver.initial_trust_region_radius = options.radius;
   ceres::Solver::Summary summary;
-  // Scouts are judged from afar.
-  constexpr double scouting = 1e-9;
-  if (options.cost_tolerance < scouting) {
-    solve_within_bounds(solver, problem, summary);
-  } else {
-    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    ceres::Solve(solver, &problem, &summary);
-  }
+  solve_within_bounds(solver, problem, summary);
   throw_if_cancelled();
   LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;

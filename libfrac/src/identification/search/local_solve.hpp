@@ -27,7 +27,8 @@ struct LocalOptions {
 [[nodiscard]] LocalSolution solution_at(const Residuals& residuals, const std::vector<double>& theta,
                                         const LocalOptions& options);
 
-/// Bounded Levenberg-Marquardt (Ceres) from a start inside the bounds at which the residuals are finite.
+/// Bounded Levenberg-Marquardt from a start inside the bounds at which the residuals are finite: by Ceres, or by
+/// normal_solve() where the tolerance is that of a scout.
 [[nodiscard]] LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start,
                                         const LocalOptions& options);
 

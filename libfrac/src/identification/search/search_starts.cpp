@@ -77,6 +77,42 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
   return theta;
 }
 
+/// Finds the one of least cost among starts of which a bound is known, and computes no cost that the bound excludes.
+class Contest {
+ public:
+  explicit Contest(const Residuals& residuals) : residuals_(residuals) {}
+
+  /// @param least_cost  that the start may have
+  void enter(std::vector<double> theta, double least_cost) { entries_.push_back({least_cost, std::move(theta)}); }
+  /// With the magnitude of the data.
+  void enter_matched(std::vector<double> theta) {
+    const double least_cost = match_magnitude(residuals_, theta);
+    enter(std::move(theta), least_cost);
+  }
+  /// Empty where no cost is finite.
+  [[nodiscard]] std::vector<double> winner() {
+    std::ranges::stable_sort(entries_, {}, &Entry::least_cost);
+    std::vector<double> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (auto& [least_cost, theta] : entries_) {
+      if (!(least_cost < least)) break;
+      const double cost = residuals_.cost(theta);
+      if (!(cost < least)) continue;
+      least = cost;
+      best = std::move(theta);
+    }
+    return best;
+  }
+
+ private:
+  struct Entry {
+    double least_cost;
+    std::vector<double> theta;
+  };
+  const Residuals& residuals_;
+  std::vector<Entry> entries_;
+};
+
 /// The draw with the start values the user gave in their places.
 void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
   std::vector<double> parameters = map.to_user(theta);
@@ -89,15 +125,17 @@ void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
 
 }  // namespace
 
-void match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
-  const double log_factor = std::log(residuals.best_factor(theta));
-  if (log_factor == 0) return;
+double match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
+  const Residuals::BestFactor best = residuals.best_factor(theta);
+  const double log_factor = std::log(best.factor);
+  if (log_factor == 0) return best.least_cost;
   const auto& free = residuals.map().free();
   for (std::size_t k = 0; k < free.size(); ++k) {
     const double shift = free[k].value_exponent * log_factor;
     theta[k] = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
     theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
   }
+  return best.least_cost;
 }
 
 std::vector<double> drawn_about(const ParameterMap& map, std::vector<double> theta, double reach,
@@ -125,21 +163,17 @@ std::vector<std::vector<double>> screened_draws(const Residuals& residuals, cons
                                                 std::mt19937_64& generator, bool from_given_starts) {
   std::vector<std::vector<double>> starts;
   for (int start = 0; start < starts_per_round; ++start) {
-    std::vector<double> best;
-    double least = std::numeric_limits<double>::infinity();
+    Contest contest(residuals);
     for (int i = 0; i < draws_per_start; ++i) {
       std::vector<double> theta = draw(residuals.map(), suggested_orders, generator);
       if (from_given_starts) {
         take_given_starts(residuals.map(), theta);
+        contest.enter(std::move(theta), 0);
       } else {
-        match_magnitude(residuals, theta);
+        contest.enter_matched(std::move(theta));
       }
-      const double cost = residuals.cost(theta);
-      if (!(cost < least)) continue;
-      least = cost;
-      best = std::move(theta);
     }
-    if (!best.empty()) starts.push_back(std::move(best));
+    if (auto best = contest.winner(); !best.empty()) starts.push_back(std::move(best));
   }
   return starts;
 }
@@ -190,24 +224,13 @@ std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
   if (!has_orders) return starts;
   for (int start = 0; start < starts_made; ++start) {
     throw_if_cancelled();
-    std::vector<double> best;
-    double least = std::numeric_limits<double>::infinity();
-    const auto compare = [&](std::vector<double> theta) {
-      const double cost = residuals.cost(theta);
-      if (!(cost < least)) return;
-      least = cost;
-      best = std::move(theta);
-    };
-    for (int i = 0; i < draws_per_start; ++i) {
-      std::vector<double> theta = whole(draw(map, suggested_orders, generator));
-      match_magnitude(residuals, theta);
-      compare(std::move(theta));
-    }
+    Contest contest(residuals);
+    for (int i = 0; i < draws_per_start; ++i) contest.enter_matched(whole(draw(map, suggested_orders, generator)));
     if (start == 0) {
       const std::vector<double> at = whole(draw(map, suggested_orders, generator));
-      for (const auto& parameters : residuals.linear_fits(map.to_user(at))) compare(map.to_theta(parameters));
+      for (const auto& parameters : residuals.linear_fits(map.to_user(at))) contest.enter(map.to_theta(parameters), 0);
     }
-    if (!best.empty()) starts.push_back(std::move(best));
+    if (auto best = contest.winner(); !best.empty()) starts.push_back(std::move(best));
   }
   return starts;
 }

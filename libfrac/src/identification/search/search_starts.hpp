@@ -30,7 +30,8 @@ namespace frac::detail {
 
 /// Multiplies the whole model by the factor that brings it nearest the data: by homogeneity, each parameter times the
 /// factor to the power of its dimension.
-void match_magnitude(const Residuals& residuals, std::vector<double>& theta);
+/// @return what the model costs at least then
+double match_magnitude(const Residuals& residuals, std::vector<double>& theta);
 
 /// A random place about another one: `reach` e-folds away in coefficients, a third of `reach` in orders.  A coefficient
 /// that has fallen so far that its part of the model has vanished, from where no step leads back, is put that far from

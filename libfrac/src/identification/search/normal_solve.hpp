@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "local_solve.hpp"
+
+namespace frac::detail {
+
+/// Bounded Levenberg-Marquardt on normal equations, without a loss, for scouts.  They are judged from afar, so that
+/// digits which normal equations lose are of no account, and they are so many and so short that Ceres takes as long for
+/// each of their problems as the model does.
+[[nodiscard]] LocalSolution normal_solve(const Residuals& residuals, const std::vector<double>& start,
+                                         const LocalOptions& options);
+
+}  // namespace frac::detail
