@@ -84,6 +84,18 @@ TEST(Orthonormalised, AgreesWithReflections) {
   }
 }
 
+// Sums of as many products of normal numbers as there are rows, each within rounding times rows of itself.
+TEST(ProductsOfColumns, AreThoseOfEigen) {
+  for (const Eigen::Index rows : {1, 3, 4, 31, 120}) {
+    for (const Eigen::Index count : {1, 4, 5, 11}) {
+      const Eigen::MatrixXd columns = random_matrix(rows, count, 7);
+      const Eigen::MatrixXd products = frac::detail::products_of(columns);
+      EXPECT_LT((products - columns.transpose() * columns).norm(), 1e-15 * static_cast<double>(rows * count));
+      EXPECT_EQ(products, products.transpose());
+    }
+  }
+}
+
 TEST(RemoveSpan, LeavesWhatIsBesideTheBasis) {
   for (const Eigen::Index rows : {5, 12, 31}) {
     const Eigen::MatrixXd basis = frac::detail::PivotedQr(random_matrix(rows, 3, 1)).basis();

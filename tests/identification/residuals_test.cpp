@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "identification/residuals/parameter_map.hpp"
+#include "identification/search/search_starts.hpp"
 
 namespace {
 
@@ -101,6 +102,41 @@ TEST(Residuals, JacobianAgreesWithDifferencesThroughEveryRealisation) {
       expect_jacobian_of_differences(test, Component::both, Weight::relative, realisation);
     }
   }
+}
+
+// With the best factor the cost is what was foretold, to rounding of sums of squares.  Nothing is foretold of the
+// phase, nor where the bounds of b0 cut the factor or R0 is known.
+TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
+  const frac::FrequencyResponseData data = samples();
+  int untold = 0;
+  for (const Case& test : cases()) {
+    const frac::Structure structure(test.formula);
+    const frac::detail::ParameterMap map(structure, test.constraints, scale);
+    const std::string first = structure.parameter_names().front();
+    for (const Component component :
+         {Component::imaginary, Component::real, Component::both, Component::magnitude, Component::phase}) {
+      for (const Weight weight : {Weight::relative, Weight::absolute, Weight::given, Weight::log_complex}) {
+        if (weight == Weight::log_complex && (component == Component::imaginary || component == Component::real))
+          continue;
+        const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
+        const frac::detail::FrequencyResiduals residuals(data, structure, frac::ExactRealisation{}, map, rule);
+        std::vector<double> theta = map.to_theta(test.parameters);
+        const double before = residuals.cost(theta), told = frac::detail::match_magnitude(residuals, theta),
+                     after = residuals.cost(theta);
+        const double rounding = 1e-13 * (before + after);
+        if (told == 0) {
+          ++untold;
+          EXPECT_TRUE(component == Component::phase || first == "R0" || first == "b2") << test.formula;
+          continue;
+        }
+        EXPECT_NEAR(after, told, rounding)
+            << test.formula << ' ' << frac::to_string(component) << ' ' << frac::to_string(weight);
+        EXPECT_LE(after, before + rounding);
+      }
+    }
+  }
+  // Of the 18 pairs of component and weight all of R0, those of the phase, and some of b0.
+  EXPECT_LT(untold, 18 + 4 * 4 + 14);
 }
 
 TEST(ParameterMap, ThetaAndParametersAreOneToOne) {

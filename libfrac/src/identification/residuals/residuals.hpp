@@ -56,7 +56,7 @@ class Residuals {
   /// where the residuals are blind to it (phase).
   struct BestFactor {
     double factor = 1;
-    double least_cost = 0;  // the model times the factor costs no less, nor does it where bounds cut the factor
+    double cost = 0;  // of the model times the factor, but for priors; 0 where it is not known
   };
   [[nodiscard]] virtual BestFactor best_factor(std::span<const double> theta) const = 0;
 

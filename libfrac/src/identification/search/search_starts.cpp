@@ -77,12 +77,12 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
   return theta;
 }
 
-/// Finds the one of least cost among starts of which a bound is known, and computes no cost that the bound excludes.
+/// Finds the start of least cost, and computes no cost of one that is known to be higher.
 class Contest {
  public:
   explicit Contest(const Residuals& residuals) : residuals_(residuals) {}
 
-  /// @param least_cost  that the start may have
+  /// @param least_cost  that the start may have, as far as is known
   void enter(std::vector<double> theta, double least_cost) { entries_.push_back({least_cost, std::move(theta)}); }
   /// With the magnitude of the data.
   void enter_matched(std::vector<double> theta) {
@@ -128,14 +128,16 @@ void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
 double match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
   const Residuals::BestFactor best = residuals.best_factor(theta);
   const double log_factor = std::log(best.factor);
-  if (log_factor == 0) return best.least_cost;
+  if (log_factor == 0) return best.cost;
   const auto& free = residuals.map().free();
+  bool as_a_whole = free.size() == residuals.map().parameter_count();
   for (std::size_t k = 0; k < free.size(); ++k) {
     const double shift = free[k].value_exponent * log_factor;
-    theta[k] = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
-    theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
+    const double matched = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
+    theta[k] = std::clamp(matched, free[k].lower, free[k].upper);
+    as_a_whole = as_a_whole && theta[k] == matched;
   }
-  return best.least_cost;
+  return as_a_whole ? best.cost : 0;
 }
 
 std::vector<double> drawn_about(const ParameterMap& map, std::vector<double> theta, double reach,

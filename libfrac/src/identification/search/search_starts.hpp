@@ -30,7 +30,7 @@ namespace frac::detail {
 
 /// Multiplies the whole model by the factor that brings it nearest the data: by homogeneity, each parameter times the
 /// factor to the power of its dimension.
-/// @return what the model costs at least then
+/// @return what the model costs then, but for rounding and priors, or 0 where bounds keep parameters from the factor
 double match_magnitude(const Residuals& residuals, std::vector<double>& theta);
 
 /// A random place about another one: `reach` e-folds away in coefficients, a third of `reach` in orders.  A coefficient
