@@ -16,6 +16,7 @@
 
 #include "frac/identification/statistics.hpp"
 #include "frac/identification/validate.hpp"
+#include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/evidence.hpp"
 #include "identification/verdict/ruling.hpp"
 #include "support/both_parts.hpp"
@@ -315,6 +316,28 @@ frac::detail::Competitor leaving(frac::ModelClass model_class, const char* model
     left.ranked.fit.parameters.push_back(estimate);
   }
   return left;
+}
+
+// A stable member of a family leaves its part in the verdict to the unstable one that it stands for.  Where both are
+// one model, one of them is kept, and the part with it; what is another model still leaves it.
+TEST(Verdict, AStableModelThatIsTheUnstableOneTakesItsPart) {
+  using frac::ModelClass;
+  const auto member = [](double rms, bool stands_in) {
+    frac::detail::Competitor each = leaving(ModelClass::integer_order, "K/(T s + 1)", 2, rms);
+    each.ranked.from_family = true;
+    each.stands_in = stands_in;
+    return each;
+  };
+  const auto merged = [](std::vector<frac::detail::Competitor> all) {
+    frac::detail::merge_equivalent(all, {}, 1, [](const auto&, const auto&) { return true; });
+    return all;
+  };
+  const auto twins = merged({member(1e-3, true), member(1e-3, false)});
+  ASSERT_EQ(twins.size(), 1u);
+  EXPECT_FALSE(twins[0].stands_in);
+  const auto others = merged({member(1e-3, true), member(2e-3, false)});
+  ASSERT_EQ(others.size(), 2u);
+  EXPECT_TRUE(others[0].stands_in);
 }
 
 // By the formula of evidence_against(), written out: the closest leaves 0.1 %, so that the smooth error is ten times

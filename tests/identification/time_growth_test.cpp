@@ -287,14 +287,20 @@ TEST(Verdict, OverTimeARatioThatGrewAloneRefutesOnlyWithAsFewParameters) {
 }
 
 // The step response of 1/(s^0.6 + 1) is t^0.6 E_{0.6,1.6}(-t^0.6).  A differentiator answers a step with an impulse,
-// so the record itself refutes it and it holds nothing back.
+// so the record itself refutes it and it holds nothing back.  Four or five poles meet the record as closely, and
+// left-out stretches speak against them in three of four records: the chance that half of eight are left open is 1
+// in 40.
 TEST(Verdict, OverTimeAFractionalLagIsSupported) {
-  const auto data = step_record(
-      [](double t) { return std::pow(t, 0.6) * frac::mittag_leffler(0.6, 1.6, -std::pow(t, 0.6)); }, 20, 151, 1e-3, 2);
-  const auto result = frac::identify(data, candidates(), frac::TimeFitOptions{});
-  EXPECT_EQ(result.verdict, frac::Verdict::fractional_supported) << result.verdict_sentence;
-  ASSERT_EQ(result.skipped.size(), 1u);
-  EXPECT_NE(result.skipped[0].find("differentiator"), std::string::npos) << result.skipped[0];
+  const auto output = [](double t) { return std::pow(t, 0.6) * frac::mittag_leffler(0.6, 1.6, -std::pow(t, 0.6)); };
+  int supported = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto result = frac::identify(step_record(output, 20, 151, 1e-3, seed), candidates(), frac::TimeFitOptions{});
+    supported += result.verdict == frac::Verdict::fractional_supported;
+    EXPECT_NE(result.verdict, frac::Verdict::fractional_not_supported) << seed << result.verdict_sentence;
+    ASSERT_EQ(result.skipped.size(), 1u);
+    EXPECT_NE(result.skipped[0].find("differentiator"), std::string::npos) << result.skipped[0];
+  }
+  EXPECT_GE(supported, 3);
 }
 
 // With its diffusion gone a cell is the lag over again.  Noise may pay for a diffusion now and then, or make the lag

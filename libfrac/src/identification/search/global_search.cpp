@@ -178,13 +178,17 @@ class Search {
   /// Short solves from each start on the scouting residuals.
   void scout_from(const std::vector<std::vector<double>>& starts) {
     for (const std::vector<double>& theta : starts) {
-      LocalSolution local = local_solve(scouting_, theta, scouting_options());
-      const double end = residuals_.cost(local.theta);
-      least_end_ = std::min(least_end_, end);
+      scouts_.push_back({local_solve(scouting_, theta, scouting_options()), 0, {}});
+      Scout& scout = scouts_.back();
+      end_at(residuals_.cost(scout.local.theta), scout);
       ++independent_;
-      scouts_.push_back({std::move(local), end, {}});
-      if (end <= residuals_.rounding_cost()) finish(scouts_.back());
+      if (scout.end <= residuals_.rounding_cost()) finish(scout);
     }
+  }
+
+  void end_at(double cost, Scout& scout) {
+    scout.end = cost;
+    least_end_ = std::min(least_end_, cost);
   }
 
   /// Solves from where a scout stopped on all residuals.  What goes below the best is polished, if that is of use.
@@ -197,8 +201,7 @@ class Search {
         local = local_solve(residuals_, local.theta, finishing_options());
       if (local.cost < result_.best.cost && !hopeless) local = local_solve(residuals_, local.theta, {});
     }
-    scout.end = local.cost;
-    least_end_ = std::min(least_end_, scout.end);
+    end_at(local.cost, scout);
     scout.theta = local.theta;
     scout.state = Scout::finished;
     if (local.cost < result_.best.cost) result_.best = std::move(local);
@@ -215,8 +218,8 @@ class Search {
       Scout& scout = *ended[i];
       for (int round = 0; round < 5; ++round) {
         LocalSolution local = local_solve(residuals_, scout.theta, finishing_options());
-        const double before = std::exchange(scout.end, local.cost);
-        least_end_ = std::min(least_end_, scout.end);
+        const double before = scout.end;
+        end_at(local.cost, scout);
         const bool is_at_rest = local.converged || same(before, local.cost);
         scout.theta = local.theta;
         if (local.cost < result_.best.cost) result_.best = std::move(local);
@@ -230,8 +233,7 @@ class Search {
     LocalOptions patient = scouting_options();
     patient.iterations = is_hopeless() && !only_start_ ? 40 : 200;
     scout.local = local_solve(scouting_, scout.local.theta, patient);
-    scout.end = residuals_.cost(scout.local.theta);
-    least_end_ = std::min(least_end_, scout.end);
+    end_at(residuals_.cost(scout.local.theta), scout);
   }
 
   /// A finished scout that came to rest at the same cost.
