@@ -34,8 +34,13 @@ DataScale data_scale(const TimeResponseData& data, std::optional<double> offset)
   return {gain, gain / 30, gain * 30, std::sqrt(slow * fast), slow / margin, fast * margin};
 }
 
-/// Standard deviation of the weighted output: the unit of the residuals the solvers see.
-double unit_of(const TimeResponseData& data, std::optional<double> offset) {
+Background background_of(const TimeFitOptions& options) {
+  return {options.offset, options.trend, options.earlier_input, options.noise_correlation};
+}
+
+}  // namespace
+
+double output_deviation(const TimeResponseData& data, std::optional<double> offset) {
   double weights = 0, mean = 0;
   const auto weight = [&](std::size_t i) { return data.sigma().empty() ? 1 : 1 / data.sigma()[i]; };
   for (const std::size_t i : data.observed()) {
@@ -49,12 +54,6 @@ double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   return unit > 0 ? unit : 1;
 }
 
-Background background_of(const TimeFitOptions& options) {
-  return {options.offset, options.trend, options.earlier_input, options.noise_correlation};
-}
-
-}  // namespace
-
 double length_of(const TimeResponseData& data) {
   return data.time().back() - data.time().front();
 }
@@ -65,13 +64,13 @@ TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, 
       data(given),
       options(wanted),
       periodic_(periodic_input(given)) {
-  unit = unit_of(given, wanted.offset);
+  unit = output_deviation(given, wanted.offset);
 }
 
 TimeProblem::TimeProblem(const TimeResponseData& given, const Structure& model, const TimeFitOptions& wanted,
                          ByParameters by)
     : Problem(model, by), data(given), options(wanted), periodic_(periodic_input(given)) {
-  unit = unit_of(given, wanted.offset);
+  unit = output_deviation(given, wanted.offset);
 }
 
 TimeProblem::TimeProblem(const TimeProblem& like, TimeFitOptions known, std::vector<ParameterConstraint> of_parameters)

@@ -43,6 +43,9 @@ class TimeProblem final : public Problem {
   std::optional<TimeResiduals> residuals_;
 };
 
+/// Standard deviation of the weighted output, about its mean or an offset: the unit of the residuals that solvers see.
+[[nodiscard]] double output_deviation(const TimeResponseData& data, std::optional<double> offset);
+
 /// s, from the first sample to the last.
 [[nodiscard]] double length_of(const TimeResponseData& data);
 
