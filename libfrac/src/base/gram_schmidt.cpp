@@ -13,6 +13,22 @@ namespace {
 
 using Index = Eigen::Index;
 
+/// The products of a vector with some columns.
+template <std::size_t width, std::size_t count>
+FRACFIT_INLINE inline void multiply(const double* vector, std::size_t rows, const double* columns, std::size_t stride,
+                                    double* products) {
+  using Wide = Doubles<width>;
+  const std::size_t whole = rows / width * width;
+  typename Wide::Type product[count] = {};
+  for (std::size_t i = 0; i < whole; i += width)
+    for (std::size_t c = 0; c < count; ++c) product[c] += Wide::at(vector + i) * Wide::at(columns + c * stride + i);
+  for (std::size_t c = 0; c < count; ++c) {
+    products[c] = 0;
+    for (std::size_t l = 0; l < width; ++l) products[c] += product[c][l];
+    for (std::size_t i = whole; i < rows; ++i) products[c] += vector[i] * columns[c * stride + i];
+  }
+}
+
 /// Takes from some columns their parts along a unit vector.
 /// @param stride   from one column to the next
 /// @param share    of the unit vector in each column, added to what is there
@@ -23,16 +39,10 @@ FRACFIT_INLINE inline void take_out(const double* unit, std::size_t rows, double
   using Wide = Doubles<width>;
   using Vector = typename Wide::Type;
   const std::size_t whole = rows / width * width;
-  Vector product[count] = {}, square[count] = {};
-  for (std::size_t i = 0; i < whole; i += width)
-    for (std::size_t c = 0; c < count; ++c) product[c] += Wide::at(unit + i) * Wide::at(columns + c * stride + i);
   double sum[count];
-  for (std::size_t c = 0; c < count; ++c) {
-    sum[c] = 0;
-    for (std::size_t l = 0; l < width; ++l) sum[c] += product[c][l];
-    for (std::size_t i = whole; i < rows; ++i) sum[c] += unit[i] * columns[c * stride + i];
-    share[c] += sum[c];
-  }
+  multiply<width, count>(unit, rows, columns, stride, sum);
+  for (std::size_t c = 0; c < count; ++c) share[c] += sum[c];
+  Vector square[count] = {};
   for (std::size_t i = 0; i < whole; i += width) {
     for (std::size_t c = 0; c < count; ++c) {
       Vector& at = Wide::at(columns + c * stride + i);
@@ -60,22 +70,6 @@ FRACFIT_INLINE inline void take_out_of_all(const double* unit, std::size_t rows,
   for (; c + together <= count; c += together)
     take_out<width, together>(unit, rows, columns + c * stride, stride, share + c, squares + c);
   for (; c < count; ++c) take_out<width, 1>(unit, rows, columns + c * stride, stride, share + c, squares + c);
-}
-
-/// The products of a vector with some columns.
-template <std::size_t width, std::size_t count>
-FRACFIT_INLINE inline void multiply(const double* vector, std::size_t rows, const double* columns, std::size_t stride,
-                                    double* products) {
-  using Wide = Doubles<width>;
-  const std::size_t whole = rows / width * width;
-  typename Wide::Type product[count] = {};
-  for (std::size_t i = 0; i < whole; i += width)
-    for (std::size_t c = 0; c < count; ++c) product[c] += Wide::at(vector + i) * Wide::at(columns + c * stride + i);
-  for (std::size_t c = 0; c < count; ++c) {
-    products[c] = 0;
-    for (std::size_t l = 0; l < width; ++l) products[c] += product[c][l];
-    for (std::size_t i = whole; i < rows; ++i) products[c] += vector[i] * columns[c * stride + i];
-  }
 }
 
 template <typename Work>

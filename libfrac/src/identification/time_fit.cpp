@@ -423,7 +423,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
   if (options.noise_correlation > 0) result.noise_correlation = options.noise_correlation;
   describe_residuals(result, residuals, local, found, best.theta, unit);
-  // A constant of the model is no reason to measure its misfit by other data.
+  // The misfit is a share of the same deviation whether an offset or a constant of the model takes up the mean.
   if (offset_is_held) result.relative_rms = result.rms / detail::output_deviation(data, wanted.offset);
   for (std::size_t& point : result.outliers) point = data.observed()[point];
   append_background(result, residuals, best.theta, data, options, found);

@@ -68,7 +68,8 @@ void merge_equivalent(std::vector<Competitor>& competitors, std::vector<Competit
     same->departed = std::min(same->departed, each.departed);
     same->relaxations = std::max(same->relaxations, each.relaxations);
     same->is_such_a_sum = same->is_such_a_sum || each.passive;
-    // A stable model that is the unstable one, whose part in the verdict it would leave to it, takes that part itself.
+    // A stable member leaves its part in the verdict to the unstable one that it stands for.  Where both are one model,
+    // the one that is kept takes the part.
     same->stands_in = same->stands_in && each.stands_in;
   }
   competitors = std::move(kept);
