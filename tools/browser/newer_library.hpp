@@ -103,13 +103,13 @@ constexpr auto find(Range&& range, const Value& value, Part part = {}) {
   return std::find_if(std::begin(range), std::end(range),
                       [&](const auto& each) { return std::invoke(part, each) == value; });
 }
-template <class Range, class Order, class Part = identity>
-constexpr void sort(Range&& range, Order order, Part part = {}) {
+template <class Range, class Order = std::less<>, class Part = identity>
+constexpr void sort(Range&& range, Order order = {}, Part part = {}) {
   std::sort(std::begin(range), std::end(range),
             [&](const auto& a, const auto& b) { return order(std::invoke(part, a), std::invoke(part, b)); });
 }
-template <class Range, class Order, class Part = identity>
-void stable_sort(Range&& range, Order order, Part part = {}) {
+template <class Range, class Order = std::less<>, class Part = identity>
+void stable_sort(Range&& range, Order order = {}, Part part = {}) {
   std::stable_sort(std::begin(range), std::end(range),
                    [&](const auto& a, const auto& b) { return order(std::invoke(part, a), std::invoke(part, b)); });
 }
