@@ -124,7 +124,11 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
   if (known_influence)
     influence -= found.directions * (found.spread.transpose() * eliminated.gradient.transpose() * inverse);
   const std::size_t modelled = result.covariance.size();
-  const double variance = found.deviation * found.deviation;
+  const Eigen::Index known = found.directions.cols();
+  Eigen::MatrixXd all(influence.rows(), known + influence.cols());
+  if (known > 0) all.leftCols(known) = found.directions;
+  all.rightCols(influence.cols()) = influence;
+  const Eigen::MatrixXd scatter = found.deviation * found.deviation * found.noise.covariance(all);
   const std::vector<double> output = detail::observed(data, data.output());
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
   // A parameter that the rest of the residuals does not see may stand for the background, unless it moves nothing at
@@ -137,20 +141,15 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
     const double moved = size * eliminated.gradient.col(static_cast<Eigen::Index>(i)).norm();
     alone = alone && size > 0 && moved <= nothing * (*largest - *least) * columns.col(0).norm();
   }
-  std::vector<double> widening = found.widening;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const Eigen::VectorXd own = influence.col(static_cast<Eigen::Index>(k));
-    widening.push_back(found.noise.widening(own));
+    const Eigen::Index place = known + static_cast<Eigen::Index>(k);
     std::vector<double> covariance;
     for (std::size_t i = 0; i < modelled; ++i) {
-      const double both = known_influence ? own.dot(found.influence(i)) : 0;
-      const bool known = !std::isnan(result.covariance[i][i]);
-      covariance.push_back(known ? variance * both * widening.back() * widening[i] : nan);
+      const double both =
+          known_influence ? found.spread.row(static_cast<Eigen::Index>(i)).dot(scatter.col(place).head(known)) : 0;
+      covariance.push_back(std::isnan(result.covariance[i][i]) ? nan : both);
     }
-    for (std::size_t j = 0; j <= k; ++j) {
-      covariance.push_back(variance * own.dot(influence.col(static_cast<Eigen::Index>(j))) * widening.back() *
-                           widening[modelled + j]);
-    }
+    for (Eigen::Index j = known; j <= place; ++j) covariance.push_back(scatter(place, j));
     for (std::size_t i = 0; i < result.covariance.size(); ++i) result.covariance[i].push_back(covariance[i]);
     result.covariance.push_back(covariance);
     const double value = eliminated.coefficient[static_cast<Eigen::Index>(k)], error = std::sqrt(covariance.back());
@@ -159,7 +158,8 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
     const bool narrow = !(2 * found.t * error * reach > *largest - *least);
     result.parameters.push_back({names[k], value, error, value - found.t * error, value + found.t * error, false, false,
                                  narrow && alone, value, error, false});
-    result.parameters.back().widening = widening.back();
+    const double white = found.deviation * influence.col(static_cast<Eigen::Index>(k)).stableNorm();
+    result.parameters.back().widening = white > 0 ? error / white : 1;
   }
 }
 

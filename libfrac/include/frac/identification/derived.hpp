@@ -17,7 +17,9 @@ struct DerivedEstimate {
   std::string name;
   std::string formula;
   double value;                                   // NaN where the formula has no real value at the estimates
-  double standard_error, ci95_lower, ci95_upper;  // NaN where they hang on a parameter without a standard error
+  /// NaN where they hang on a parameter without a standard error, or on parameters that only trade off, so that no digit
+  /// of the quantity's own is left in their covariance.
+  double standard_error, ci95_lower, ci95_upper;
 };
 
 /// A quantity computed from the parameters of a fit, "f1 = (R1 Q1)^(-1/n1)/(2 pi)": a formula as of Structure, free of

@@ -65,7 +65,8 @@ class BootstrapRefits {
 /// @throws std::invalid_argument  fewer than 20 refits.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits);
 
-/// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held).
+/// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held);
+/// NaN where these only trade off, so that no digit of the curve's own is left in their covariance.
 struct ResponseDeviation {
   double real, imaginary;  // unit of the data
   double log_magnitude;    // of ln|G|

@@ -13,6 +13,7 @@
 #include "base/wide_vectors.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/local_curve.hpp"
+#include "identification/data/residual_rule.hpp"
 
 namespace frac::detail {
 namespace {
@@ -272,11 +273,9 @@ bool tells_a_floor(const FrequencyResponseData& data, Component component) {
 double noise_floor(const FrequencyResponseData& data, std::span<const std::complex<double>> model,
                    Component component) {
   if (!tells_a_floor(data, component)) return 0;
-  // The size is that of the data: a part that they do not have is none of it, whatever the model has there.
-  const bool no_real = is_empty(data, Component::real), no_imaginary = is_empty(data, Component::imaginary);
+  const ResidualForm form = residual_form(component, Weight::learned);
   std::vector<std::complex<double>> size;
-  for (const std::complex<double> each : model)
-    size.emplace_back(no_real ? 0 : each.real(), no_imaginary ? 0 : each.imag());
+  for (std::size_t i = 0; i < model.size(); ++i) size.push_back(seen_of(form, model[i], data.value()[i]));
   return floor_of(data, size, component, true, [&](const auto& visit) { for_each_change(data, model, visit); });
 }
 

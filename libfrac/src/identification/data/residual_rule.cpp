@@ -222,7 +222,7 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
     return rule;
   }
   rule.weight = scale_of(data, weight, floor);
-  if (weight == Weight::relative || weight == Weight::learned) rule.floor = floor;
+  if (by_magnitude && rule.form != ResidualForm::phase) rule.floor = floor;
   const bool known_noise = weight == Weight::given || weight == Weight::repeats;
   for (std::size_t i = 0; i < data.size(); ++i) {
     rule.weight[i] = 1 / rule.weight[i];

@@ -27,6 +27,13 @@ enum class ResidualForm {
   return form == ResidualForm::cartesian || form == ResidualForm::logarithmic ? 2 : 1;
 }
 
+/// The model as far as residuals see it: a part that they leave out is that of the datum.
+[[nodiscard]] inline std::complex<double> seen_of(ResidualForm form, std::complex<double> model,
+                                                  std::complex<double> datum) noexcept {
+  return {form == ResidualForm::imaginary ? datum.real() : model.real(),
+          form == ResidualForm::real ? datum.imag() : model.imag()};
+}
+
 /// @throws std::invalid_argument  the weight does not go with the component.
 [[nodiscard]] ResidualForm residual_form(Component component, Weight weight);
 

@@ -70,33 +70,18 @@ Pulls pulls_of(const std::vector<CurveResiduals>& curves, const std::vector<Curv
   return pulls;
 }
 
-/// How correlated neighbours enlarge the errors of variables, given what a curve adds to each.
-class Widening {
- public:
-  explicit Widening(Eigen::Index count) : white_(Eigen::VectorXd::Zero(count)), wide_(white_) {}
-  /// @param influence  of the residuals, and behind these of priors, which no noise correlates
-  void add(const Eigen::MatrixXd& influence, const CorrelatedNoise& noise, std::size_t residuals) {
-    const auto rows = static_cast<Eigen::Index>(residuals);
-    for (Eigen::Index k = 0; k < influence.cols(); ++k) {
-      const Eigen::VectorXd of_residuals = influence.col(k).head(rows);
-      const double square = of_residuals.squaredNorm(), factor = noise.widening(of_residuals);
-      white_[k] += square;
-      wide_[k] += square * factor * factor;
-    }
-    add_priors(influence.bottomRows(influence.rows() - rows));
-  }
-  void add_priors(const Eigen::MatrixXd& influence) {
-    const Eigen::VectorXd squares = influence.colwise().squaredNorm().transpose();
-    white_ += squares;
-    wide_ += squares;
-  }
-  [[nodiscard]] Eigen::VectorXd factors() const {
-    return (white_.array() > 0).select((wide_.array() / white_.array()).sqrt(), 1.0);
-  }
+/// What the correlation of neighbours adds to the covariance of variables, for residuals of unit variance.
+/// @param influence  of the residuals of a curve, and behind these of priors, which no noise correlates
+Eigen::MatrixXd added_by(const CorrelatedNoise& noise, const Eigen::MatrixXd& influence, std::size_t residuals) {
+  const auto of_residuals = influence.topRows(static_cast<Eigen::Index>(residuals));
+  return noise.covariance(of_residuals) - of_residuals.transpose() * of_residuals;
+}
 
- private:
-  Eigen::VectorXd white_, wide_;
-};
+/// Factors of standard errors.
+Eigen::VectorXd widening(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& in_white_noise) {
+  const Eigen::ArrayXd white = in_white_noise.diagonal();
+  return (white > 0).select((covariance.diagonal().array() / white).sqrt(), 1.0);
+}
 
 JointConfidence nothing_known(std::size_t curves, const JointLayout& layout) {
   const auto own = static_cast<Eigen::Index>(layout.own.size()),
@@ -272,13 +257,12 @@ class JointErrors {
   }
 
   void set_shared_errors(const Eigen::MatrixXd& unit_covariance) {
-    Widening widening(width());
+    covariance_ = unit_covariance;
     for (std::size_t c = 0; c < at_.size(); ++c)
-      widening.add(at_[c].rest * unit_covariance, at_[c].noise, curves_[c].count());
-    widening.add_priors(shared_priors_ * unit_covariance);
-    const Eigen::VectorXd factors = widening.factors();
+      covariance_ += added_by(at_[c].noise, at_[c].rest * unit_covariance, curves_[c].count());
+    covariance_ *= variance_;
     white_ = variance_ * unit_covariance;
-    covariance_ = factors.asDiagonal() * white_ * factors.asDiagonal();
+    const Eigen::VectorXd factors = widening(covariance_, white_);
     for (Eigen::Index k = 0; k < width(); ++k)
       result_.shared_widening[static_cast<std::size_t>(inner_[static_cast<std::size_t>(k)])] = factors[k];
     result_.shared(inner_, inner_) = covariance_;
@@ -286,15 +270,14 @@ class JointErrors {
 
   void set_own_errors(std::size_t c) {
     const Curve& curve = at_[c];
-    Widening local(curve.own_influence.cols());
-    local.add(curve.own_influence, curve.noise, curves_[c].count());
-    const Eigen::VectorXd factors = local.factors();
     // Errors with the shared variables held, and those that these bring along, have nothing to do with each other.
-    const Eigen::MatrixXd held = variance_ * factors.asDiagonal() *
-                                 (curve.own_influence.transpose() * curve.own_influence) * factors.asDiagonal();
+    const Eigen::MatrixXd held_in_white_noise = curve.own_influence.transpose() * curve.own_influence;
+    const Eigen::MatrixXd held =
+        variance_ * (held_in_white_noise + added_by(curve.noise, curve.own_influence, curves_[c].count()));
     const Eigen::MatrixXd mixed = curve.follows * covariance_;
     const Eigen::MatrixXd carried = mixed * curve.follows.transpose();
-    const Eigen::MatrixXd carried_in_white_noise = curve.follows * white_ * curve.follows.transpose();
+    const Eigen::VectorXd factors =
+        widening(held + carried, variance_ * held_in_white_noise + curve.follows * white_ * curve.follows.transpose());
     std::vector<Eigen::Index> places;
     for (const Eigen::Index k : inner_) places.push_back(own_ + k);
     Eigen::MatrixXd& all = result_.curve[c];
@@ -302,12 +285,8 @@ class JointErrors {
     all(curve.inner, curve.inner) = held + carried;
     all(curve.inner, places) = mixed;
     all(places, curve.inner) = mixed.transpose();
-    for (std::size_t k = 0; k < curve.inner.size(); ++k) {
-      const auto i = static_cast<Eigen::Index>(k);
-      const double in_white_noise = held(i, i) / (factors[i] * factors[i]) + carried_in_white_noise(i, i);
-      result_.own_widening[c][static_cast<std::size_t>(curve.inner[k])] =
-          in_white_noise > 0 ? std::sqrt((held(i, i) + carried(i, i)) / in_white_noise) : 1;
-    }
+    for (std::size_t k = 0; k < curve.inner.size(); ++k)
+      result_.own_widening[c][static_cast<std::size_t>(curve.inner[k])] = factors[static_cast<Eigen::Index>(k)];
   }
 
   [[nodiscard]] Eigen::Index width() const { return static_cast<Eigen::Index>(inner_.size()); }

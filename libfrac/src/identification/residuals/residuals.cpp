@@ -61,11 +61,11 @@ ResidualAxis FrequencyResiduals::axis(std::span<const double> theta) const {
   if (!turns && !rule_.floor) return axis;
   structure_.response(map().to_user(theta), data_.omega(), realisation_, value_);
   for (std::size_t i = 0; i < points(); ++i) {
-    const double size = std::abs(value_[i]);
+    const std::complex<double> datum = data_.value()[i], seen = seen_of(rule_.form, value_[i], datum);
     std::complex<double> factor = 1;
-    if (turns && size > 0) factor = std::conj(value_[i]) / size;
-    if (rule_.floor && size > 0)
-      factor *= std::hypot(std::abs(data_.value()[i]), *rule_.floor) / std::hypot(size, *rule_.floor);
+    if (turns && seen != 0.0) factor = std::conj(seen) / std::abs(seen);
+    if (rule_.floor && seen != 0.0 && datum != 0.0)
+      factor *= std::hypot(std::abs(datum), *rule_.floor) / std::hypot(std::abs(seen), *rule_.floor);
     axis.factor.push_back(factor);
   }
   return axis;

@@ -135,6 +135,10 @@ struct InnerDirections {
     RightSingularVectors right = right_singular_vectors(unit);
     sigma = std::move(right.values);
     vectors = std::move(right.vectors);
+    // A variable has no share in a direction that nothing tells but for rounding, which 1/sigma would make large.
+    for (auto k = static_cast<Eigen::Index>(rank()); k < count(); ++k)
+      for (double& share : vectors.col(k))
+        if (std::abs(share) < unseen_column) share = 0;
     inverse_sigma = sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
     of_priors = (unit.bottomRows(priors) * vectors * inverse_sigma.asDiagonal()).colwise().squaredNorm().transpose();
   }
@@ -213,21 +217,25 @@ void set_errors(const ParameterMap& map, const std::vector<double>& values, cons
     result.identified[parameter] = !inner.lies_in_flat_direction(k);
     result.standard_error[parameter] = deviation * row.stableNorm();
     result.centre_standard_error[parameter] = centre_error(map, values, inner, k, deviation);
-    for (const std::size_t other : inner.parameter) {
-      result.covariance[parameter][other] =
-          deviation * deviation * row.dot(spread.row(static_cast<Eigen::Index>(other)));
-    }
   }
 }
 
-/// By how much the correlation of neighbouring residuals widens an error.
-double widening_of(std::size_t parameter, bool with_priors, const Confidence& result) {
-  const Eigen::VectorXd influence = result.influence(parameter);
-  const double widening = result.noise.widening(influence);
-  if (!with_priors) return widening;
-  // What a prior tells of the parameter has nothing to do with the noise of the residuals.
-  const double of_residuals = result.deviation * influence.norm() / result.standard_error[parameter];
-  return std::sqrt(1 + (widening * widening - 1) * of_residuals * of_residuals);
+/// By how much the correlation of neighbouring residuals widens errors, and the covariance in it.
+void allow_for_correlation(const InnerDirections& inner, Confidence& result) {
+  const Eigen::MatrixXd& directions = result.directions;
+  // Of unit variance along each in white noise, also where priors tell a part of it: those have nothing to do with the
+  // noise of the residuals.
+  const Eigen::MatrixXd along = Eigen::MatrixXd::Identity(directions.cols(), directions.cols()) +
+                                result.noise.covariance(directions) - directions.transpose() * directions;
+  for (const std::size_t i : inner.parameter) {
+    const Eigen::RowVectorXd row = result.spread.row(static_cast<Eigen::Index>(i));
+    const double size = row.stableNorm();
+    if (size > 0 && std::isfinite(size)) result.widening[i] = std::sqrt((row / size * along).dot(row / size));
+    const Eigen::RowVectorXd carried = result.deviation * row * along;
+    for (const std::size_t k : inner.parameter)
+      result.covariance[i][k] = result.covariance[k][i] =
+          carried.dot(result.deviation * result.spread.row(static_cast<Eigen::Index>(k)));
+  }
 }
 
 }  // namespace
@@ -271,7 +279,9 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
 
   result.directions = inner.scaled(at_best->jacobian) * (inner.vectors * inner.inverse_sigma.asDiagonal()).eval();
   at_best->jacobian.resize(0, 0);
-  const auto fitted = result.directions.leftCols(static_cast<Eigen::Index>(inner.rank()));
+  const auto rank = static_cast<Eigen::Index>(inner.rank());
+  result.directions.rightCols(inner.count() - rank).setZero();
+  const auto fitted = result.directions.leftCols(rank);
   if (priors.rows() == 0 && residuals.eliminated() == 0) {
     result.noise = noise_of(residuals, solution.theta, residual, fitted, options);
   } else {
@@ -279,8 +289,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     columns << fitted, residuals.eliminated_columns();
     result.noise = noise_of(residuals, solution.theta, residual, PivotedQr(columns).basis(), options);
   }
+  allow_for_correlation(inner, result);
   for (const std::size_t i : inner.parameter) {
-    result.widening[i] = widening_of(i, priors.rows() > 0, result);
     const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));
     if (wide && !std::isnan(result.standard_error[i])) result.identified[i] = false;
   }

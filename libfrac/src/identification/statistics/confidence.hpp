@@ -20,12 +20,12 @@ inline constexpr double unseen_column = 1e-10;
 /// Whether a variable of the search stands at one of its limits.
 [[nodiscard]] bool is_at_bound(double value, double lower, double upper);
 
-/// What the curvature at a minimum says about each parameter of the user, in white noise; `widening` tells how much
-/// more the noise allows for that the residuals show.
+/// What the curvature at a minimum says about each parameter of the user.  Standard errors are those in white noise;
+/// `widening` tells how much more the noise that the residuals show allows for.
 struct Confidence {
-  std::vector<double> standard_error;         // NaN: fixed, at a bound, or not seen
-  std::vector<double> centre_standard_error;  // of the parameter with frequency in units of the middle of the band
-  std::vector<std::vector<double>> covariance;
+  std::vector<double> standard_error;           // NaN: fixed, at a bound, or not seen
+  std::vector<double> centre_standard_error;    // of the parameter with frequency in units of the middle of the band
+  std::vector<std::vector<double>> covariance;  // in the noise that the residuals show
   std::vector<bool> at_bound;
   std::vector<bool> seen;        // the residuals depend on it
   std::vector<bool> identified;  // seen, interval within 50 %, not part of a flat direction
@@ -36,14 +36,11 @@ struct Confidence {
   double loss_unit;       // see FitResult, in units of the residuals: rise of the objective for one standard error
   CorrelatedNoise noise;  // of the residuals
   std::vector<double> widening;  // of each standard error, by the correlation of neighbouring residuals
-  Eigen::MatrixXd directions;    // count() x known ones: changes of the residuals; orthonormal but for what priors tell
-  Eigen::MatrixXd spread;        // parameters x known ones: what an estimate moves by along each; empty if unknown
-  double from_priors = 0;        // how many parameters priors tell in place of the residuals
+  /// count() x known ones: changes of the residuals, orthonormal but for what priors tell; 0 where there are none.
+  Eigen::MatrixXd directions;
+  Eigen::MatrixXd spread;  // parameters x known ones: what an estimate moves by along each; empty if unknown
+  double from_priors = 0;  // how many parameters priors tell in place of the residuals
 
-  /// What an estimate moves by for each residual.
-  [[nodiscard]] Eigen::VectorXd influence(std::size_t parameter) const {
-    return directions * spread.row(static_cast<Eigen::Index>(parameter)).transpose();
-  }
   /// Parameters that the residuals tell.
   [[nodiscard]] double effective() const { return static_cast<double>(rank) - from_priors; }
 };

@@ -12,19 +12,19 @@ namespace {
 /// Beyond this correlation a record looks like a drift, and its level is not determined.
 constexpr double most_correlation = 0.98;
 
-/// Variance of influence' * noise for noise of unit variance and correlation r^lag, influences in `unit`.
-double variance_under(double r, const Eigen::VectorXd& influence, double unit, std::size_t per_point) {
+/// Covariance of columns' * noise for noise of unit variance and correlation r^lag.
+Eigen::MatrixXd covariance_under(double r, const Eigen::Ref<const Eigen::MatrixXd>& columns, std::size_t per_point) {
   const auto stride = static_cast<Eigen::Index>(per_point);
-  double sum = 0;
+  Eigen::MatrixXd with_earlier = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
   for (Eigen::Index part = 0; part < stride; ++part) {
-    double carried = 0;  // sum of the earlier values, each times r per point since
-    for (Eigen::Index i = part; i < influence.size(); i += stride) {
-      const double each = influence[i] / unit;
-      sum += each * (each + 2 * carried);
-      carried = r * (carried + each);
+    // Sum of the earlier rows, each times r per point since.
+    Eigen::RowVectorXd carried = Eigen::RowVectorXd::Zero(columns.cols());
+    for (Eigen::Index i = part; i < columns.rows(); i += stride) {
+      with_earlier += columns.row(i).transpose() * (0.5 * columns.row(i) + carried);
+      carried = r * (carried + columns.row(i));
     }
   }
-  return sum;
+  return with_earlier + with_earlier.transpose();
 }
 
 }  // namespace
@@ -127,20 +127,18 @@ void CorrelatedNoise::add_smooth(double white_variance) {
   }
 }
 
-double CorrelatedNoise::widening(const Eigen::VectorXd& influence) const {
-  // The size of the influence cancels; its squares would vanish or overflow for parameters of 1e-200 or 1e200.
-  const double unit = influence.size() > 0 ? influence.lpNorm<Eigen::Infinity>() : 0;
-  if (possibilities_.empty() || !(unit > 0)) return 1;
-  std::optional<SmoothError::Influence> sums;
-  if (smooth_) sums = smooth_->influence(influence, unit);
-  double variance = 0;
+Eigen::MatrixXd CorrelatedNoise::covariance(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  if (possibilities_.empty()) return columns.transpose() * columns;
+  std::optional<SmoothError::Influences> sums;
+  if (smooth_) sums = smooth_->influences(columns);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
   for (const Possibility& each : possibilities_) {
     if (each.probability < 1e-6) continue;
-    variance += each.probability * each.variance *
-                (each.share > 0 ? smooth_->variance(*sums, each.share, each.length)
-                                : variance_under(each.correlation, influence, unit, per_point_));
+    covariance += each.probability * each.variance *
+                  (each.share > 0 ? smooth_->covariance(*sums, each.share, each.length)
+                                  : covariance_under(each.correlation, columns, per_point_));
   }
-  return std::sqrt(variance / variance_under(0, influence, unit, per_point_));
+  return covariance;
 }
 
 }  // namespace frac::detail

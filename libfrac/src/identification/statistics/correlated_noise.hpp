@@ -36,8 +36,8 @@ class CorrelatedNoise {
   [[nodiscard]] double smooth_chance() const noexcept { return smooth_chance_; }
   /// Root mean square of the smooth error, in the unit of the residuals: the mean over what is possible.
   [[nodiscard]] double smooth_error() const noexcept { return smooth_error_; }
-  /// Standard deviation of influence' * noise over that in white noise with the variance of the residuals.
-  [[nodiscard]] double widening(const Eigen::VectorXd& influence) const;
+  /// Covariance of columns' * noise, over the variance of white noise told from the same residuals.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
 
  private:
   struct Possibility {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "carried_variance.hpp"
 #include "definition.hpp"
 #include "frac/identification/statistics.hpp"
 
@@ -37,17 +38,17 @@ DerivedEstimate DerivedQuantity::at(std::span<const double> parameters,
   for (const std::size_t i : parameter_) values.push_back(parameters[i]);
   std::vector<std::complex<double>> gradient(values.size());
   const double value = formula_.response_and_gradient(values, 1.0, ExactRealisation{}, gradient).real();
-  double variance = 0;
-  for (std::size_t a = 0; a < values.size(); ++a) {
-    for (std::size_t b = 0; b < values.size(); ++b) {
-      const double product = gradient[a].real() * gradient[b].real();
-      // What the quantity does not depend on may have no error.
-      if (product != 0) variance += product * covariance[parameter_[a]][parameter_[b]];
-    }
+  std::vector<double> derivative(parameters.size(), 0.0);
+  bool is_known = std::isfinite(value);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const std::size_t i = parameter_[k];
+    derivative[i] = gradient[k].real();
+    // What the quantity does not depend on may have no error.
+    is_known = is_known && (derivative[i] == 0 || !std::isnan(covariance[i][i]));
   }
   DerivedEstimate result{name_, text_, std::isfinite(value) ? value : nan, nan, nan, nan};
-  if (!std::isfinite(value) || !(variance >= 0)) return result;
-  result.standard_error = std::sqrt(variance);
+  if (!is_known) return result;
+  result.standard_error = std::sqrt(detail::carried_variance(covariance, derivative));
   result.ci95_lower = value - half_width * result.standard_error;
   result.ci95_upper = value + half_width * result.standard_error;
   return result;

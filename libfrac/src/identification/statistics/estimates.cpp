@@ -218,9 +218,6 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
     estimate.limits_given = given != nullptr && (given->lower || given->upper || given->positive);
   }
   result.covariance = found.covariance;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    for (std::size_t j = 0; j < values.size(); ++j) result.covariance[i][j] *= found.widening[i] * found.widening[j];
-  }
   result.noise_correlation = found.noise.correlation();
   refuse_inseparable_parts(result, structure);
   constexpr double met = 1e-9;

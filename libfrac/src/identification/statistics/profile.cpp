@@ -100,19 +100,18 @@ class Profile {
     return rise;
   }
 
-  /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms: in
-  /// relative terms of the estimates, in which the covariance holds farthest.
+  /// The other parameters moved along with the held one as their covariance in white noise says, positive ones as
+  /// logarithms: in relative terms of the estimates, in which the covariance holds farthest.
   [[nodiscard]] std::vector<double> predicted(double value) const {
     std::vector<double> result = inside_;
     if (!parameter_) return result;
     const std::size_t held = *parameter_;
-    const double variance = confidence_.covariance[held][held];
+    const auto spread_of = [&](std::size_t i) { return confidence_.spread.row(static_cast<Eigen::Index>(i)); };
     const double change = logarithmic_ ? best_[held] * std::log(value / inside_[held]) : value - inside_[held];
     for (const ParameterMap::Free& entry : problem_.map.free()) {
       const std::size_t i = entry.parameter;
-      const double covariance = confidence_.covariance[i][held];
-      if (i == held || !std::isfinite(covariance)) continue;
-      const double shift = covariance / variance * change;
+      if (i == held || !std::isfinite(confidence_.covariance[i][held])) continue;
+      const double shift = spread_of(i).dot(spread_of(held)) / spread_of(held).squaredNorm() * change;
       if (entry.logarithmic) {
         result[i] *= std::exp(std::clamp(shift / best_[i], -3.0, 3.0));
       } else {

@@ -93,6 +93,8 @@ SmoothError::SmoothError(std::span<const double> residual, const Eigen::Ref<cons
     ++points_[i / block_];
   }
   for (std::size_t b = 0; b < position_.size(); ++b) position_[b] /= points_[b];
+  for (const std::complex<double> factor : axis_.factor)
+    by_turning_ += static_cast<double>(axis_.per_point) * std::log(std::abs(factor));
   spacing_ = (position_.back() - position_.front()) / std::max(1.0, static_cast<double>(position_.size()) - 1);
 
   const auto parts = static_cast<Eigen::Index>(axis_.per_point);
@@ -190,7 +192,7 @@ std::vector<SmoothError::Likelihood> SmoothError::at(std::span<const double> sha
         for (Eigen::Index k = 0; k <= i; ++k, product += side_by_side) products(i, k) = *product;
       const Eigen::VectorXd factor = CholeskyFactor(products).diagonal();
       // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
-      double restricted = -0.5 * sums.logarithm[l];
+      double restricted = by_turning_ - 0.5 * sums.logarithm[l];
       for (Eigen::Index i = 0; i < width_; ++i) restricted -= std::log(factor(i));
       const double rest = factor(width_);
       found.push_back({restricted - degrees_ * std::log(rest), rest * rest / degrees_});
@@ -199,48 +201,39 @@ std::vector<SmoothError::Likelihood> SmoothError::at(std::span<const double> sha
   return found;
 }
 
-SmoothError::Influence SmoothError::influence(const Eigen::VectorXd& each, double unit) const {
-  const std::size_t parts = axis_.per_point;
-  Influence result{
-      0, Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()), static_cast<Eigen::Index>(parts))};
-  const std::complex<double> one = 1;
-  Eigen::Index block = 0;
-  for (std::size_t i = 0, next = block_; i < axis_.position.size(); ++i) {
-    if (i == next) {
-      ++block;
-      next += block_;
-    }
-    const std::complex<double> factor = axis_.factor.empty() ? one : axis_.factor[i];
-    const double* const part = each.data() + i * parts;
-    const std::complex<double> turned = product({part[0] / unit, parts == 2 ? part[1] / unit : 0}, factor);
-    result.square += turned.real() * turned.real();
-    result.sums(block, 0) += turned.real();
-    if (parts == 1) continue;
-    result.square += turned.imag() * turned.imag();
-    result.sums(block, 1) += turned.imag();
-  }
+SmoothError::Influences SmoothError::influences(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  Influences result{Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(position_.size()) * parts, columns.cols()),
+                    Eigen::MatrixXd::Zero(columns.cols(), columns.cols())};
+  for_each_piece([&](std::size_t first, Eigen::Index row, Eigen::Index rows) {
+    Eigen::MatrixXd some = columns.middleRows(row, rows);
+    turn(first, some);
+    const Eigen::MatrixXd sums = block_sums(some);
+    result.sums.middleRows(static_cast<Eigen::Index>(first / block_) * parts, sums.rows()) = sums;
+    result.products += some.transpose() * some;
+  });
   return result;
 }
 
-double SmoothError::variance(const Influence& of, double share, double length) const {
+Eigen::MatrixXd SmoothError::covariance(const Influences& of, double share, double length) const {
   const double rate = std::sqrt(3.0) / length;
-  double smooth = 0;
-  for (Eigen::Index part = 0; part < of.sums.cols(); ++part) {
+  const auto parts = static_cast<Eigen::Index>(axis_.per_point);
+  Eigen::MatrixXd with_earlier = Eigen::MatrixXd::Zero(of.sums.cols(), of.sums.cols());
+  for (Eigen::Index part = 0; part < parts; ++part) {
     // Earlier sums, each times e^-q, and times (1 + q) e^-q less that.
-    double faded = 0, sloped = 0;
-    for (Eigen::Index b = 0; b < of.sums.rows(); ++b) {
+    Eigen::RowVectorXd faded = Eigen::RowVectorXd::Zero(of.sums.cols()), sloped = faded;
+    for (std::size_t b = 0; b < position_.size(); ++b) {
       if (b > 0) {
-        const auto place = static_cast<std::size_t>(b);
-        const double q = rate * (position_[place] - position_[place - 1]), decay = std::exp(-q);
+        const double q = rate * (position_[b] - position_[b - 1]), decay = std::exp(-q);
         sloped = decay * (sloped + q * faded);
         faded *= decay;
       }
-      const double sum = of.sums(b, part);
-      smooth += sum * (sum + 2 * (faded + sloped));
+      const auto sum = of.sums.row(static_cast<Eigen::Index>(b) * parts + part);
+      with_earlier += sum.transpose() * (0.5 * sum + faded + sloped);
       faded += sum;
     }
   }
-  return (1 - share) * of.square + share * smooth;
+  return (1 - share) * of.products + share * (with_earlier + with_earlier.transpose());
 }
 
 }  // namespace frac::detail

@@ -32,20 +32,21 @@ class SmoothError {
   [[nodiscard]] double longest() const;
 
   struct Likelihood {
-    double logarithm;  // restricted: with the fitted columns integrated out; 0 for white noise of unit variance
+    double logarithm;  // restricted: with the fitted columns integrated out, of the residuals as they came
     double variance;   // of a residual, where that is most likely
   };
   /// At several shares, which are cheaper together.
   [[nodiscard]] std::vector<Likelihood> at(std::span<const double> shares, double length) const;
 
-  /// Sums of an influence, in a unit, over the blocks, which variances need; its own square beside them.
-  struct Influence {
-    double square;
-    Eigen::MatrixXd sums;  // blocks x residuals of a point
+  /// Sums over the blocks of what residuals are multiplied by, in columns, and the products of these columns: all that
+  /// covariances need.
+  struct Influences {
+    Eigen::MatrixXd sums;  // a row for each residual of a block
+    Eigen::MatrixXd products;
   };
-  [[nodiscard]] Influence influence(const Eigen::VectorXd& each, double unit = 1) const;
-  /// Variance of influence' * residuals, for residuals of unit variance.
-  [[nodiscard]] double variance(const Influence& of, double share, double length) const;
+  [[nodiscard]] Influences influences(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
+  /// Covariance of columns' * residuals, for residuals of unit variance.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Influences& of, double share, double length) const;
 
  private:
   using Shares = std::array<double, side_by_side>;
@@ -70,6 +71,7 @@ class SmoothError {
   std::vector<double> position_;  // of the blocks
   std::vector<double> points_;    // of each block
   double spacing_, degrees_;
+  double by_turning_ = 0;  // ln of the determinant of all factors
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Index width_;  // columns of the basis
   Rows means_;          // of the blocks, times the root of their points: a row for each residual of a point

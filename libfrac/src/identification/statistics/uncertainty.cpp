@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "carried_variance.hpp"
 #include "curvature_fit.hpp"
 #include "frac/identification/statistics.hpp"
 #include "frac/parallel_for.hpp"
@@ -302,21 +303,16 @@ std::vector<ResponseDeviation> response_deviation(const FitResult& result, const
   std::vector<std::complex<double>> gradient(count);
   for (const double each : omega) {
     const std::complex<double> value = structure.response_and_gradient(parameters, each, realisation, gradient);
-    double real = 0, imaginary = 0, log_magnitude = 0, phase = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t j = 0; j < count; ++j) {
-        const double covariance = result.covariance[i][j];
-        if (std::isnan(covariance)) continue;
-        real += gradient[i].real() * covariance * gradient[j].real();
-        imaginary += gradient[i].imag() * covariance * gradient[j].imag();
-        // d ln G = dG/G: its parts are those of ln|G| and of the phase.
-        const std::complex<double> left = gradient[i] / value, right = gradient[j] / value;
-        log_magnitude += left.real() * covariance * right.real();
-        phase += left.imag() * covariance * right.imag();
-      }
-    }
-    const auto root = [](double variance) { return std::sqrt(std::max(variance, 0.0)); };
-    deviations.push_back({root(real), root(imaginary), root(log_magnitude), root(phase)});
+    const auto deviation_of = [&](const auto& derivative) {
+      std::vector<double> derivatives;
+      for (const std::complex<double> each : gradient) derivatives.push_back(derivative(each));
+      return std::sqrt(detail::carried_variance(result.covariance, derivatives));
+    };
+    // d ln G = dG/G: its parts are those of ln|G| and of the phase.
+    deviations.push_back({deviation_of([](std::complex<double> each) { return each.real(); }),
+                          deviation_of([](std::complex<double> each) { return each.imag(); }),
+                          deviation_of([&](std::complex<double> each) { return (each / value).real(); }),
+                          deviation_of([&](std::complex<double> each) { return (each / value).imag(); })});
   }
   return deviations;
 }
