@@ -432,6 +432,26 @@ TEST(RelaxationTimesOfData, EndsAreTermsOfTheirOwn) {
   for (std::size_t i = 0; i < found.density.size(); ++i) EXPECT_GE(found.density[i], 0);
 }
 
+// In units 2^20 apart every number of the computation has the same digits.  In milliohms the density used to be so small
+// beside the ends, or these beside it, that what keeps the equations solvable took the constant's part.
+TEST(RelaxationTimesOfData, DoNotDependOnUnits) {
+  const frac::FrequencyResponseData data = two_arcs(5);
+  const auto found = frac::relaxation_times(data, TimesKernel::falling);
+  for (const double unit : {std::exp2(-20), std::exp2(20)}) {
+    std::vector<std::complex<double>> value = data.value();
+    for (auto& each : value) each *= unit;
+    const auto other = frac::relaxation_times({data.omega(), value}, TimesKernel::falling);
+    EXPECT_NEAR(other.constant / (unit * found.constant), 1, 1e-9);
+    EXPECT_NEAR(other.constant_upper / (unit * found.constant_upper), 1, 1e-9);
+    EXPECT_NEAR(other.misfit_in_noise / found.misfit_in_noise, 1, 1e-9);
+    ASSERT_EQ(other.peaks.size(), found.peaks.size());
+    for (std::size_t i = 0; i < found.peaks.size(); ++i) {
+      EXPECT_NEAR(other.peaks[i].area / (unit * found.peaks[i].area), 1, 1e-9);
+      EXPECT_NEAR(other.peaks[i].tau / found.peaks[i].tau, 1, 1e-9);
+    }
+  }
+}
+
 TEST(RelaxationTimesOfData, TheSameSeedGivesTheSameBand) {
   const auto data = two_arcs(4);
   const auto one = frac::relaxation_times(data, TimesKernel::falling, 3),

@@ -96,7 +96,8 @@ class Identify : public Command {
   // Takes from the header that `simulate` writes what the options leave open.
   // @return whether there is a static-backlash candidate
   bool complete_scene(const io::Metadata& header) {
-    if (!force_ && !clearance_ && !io::find_value(header, "force_n") && !io::find_value(header, "clearance_m")) {
+    const bool in_header = io::find_value(header, "force_n") && io::find_value(header, "clearance_m");
+    if (!force_ && !clearance_ && !in_header) {
       if (mass1_ || mass2_)
         throw std::invalid_argument(
             "--mass1 and --mass2 have no meaning without --force and --clearance, which add the static-backlash curve");

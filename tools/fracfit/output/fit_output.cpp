@@ -126,6 +126,11 @@ std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& resul
   std::string text = "residuals: correlation of neighbours " +
                      short_number(statistics.whiteness.lag_one_correlation, 3) + ", chance of that from noise alone " +
                      short_number(statistics.whiteness.p_value, 3) + "\n";
+  const frac::LackOfFit& lack = statistics.lack_of_fit;
+  if (!lack.adequate && lack.misfit > 1)
+    text += "the model misses the data: its residuals are " + short_number(lack.misfit, 3) + " times the noise\n";
+  else if (!lack.adequate && std::isfinite(lack.correlation))
+    text += "the model misses the data: its residuals follow each other as noise does not\n";
   if (statistics.outlier_at.empty()) return text;
   const std::size_t count = statistics.outlier_at.size();
   text += std::to_string(count) + (count == 1 ? " outlier at" : " outliers at") + (run.over_time ? " t =" : "");

@@ -101,7 +101,7 @@ void describe(Result& result, const Visit& visit) {
   visit("parameters", "", "estimates, see parameter", result.parameters);
   visit("cost", "residual^2", "sum of squared residuals, without loss and priors", result.cost);
   visit("rms", "residual", "root mean square of the residuals", result.rms);
-  visit("relative_rms", "1", "rms over that of the data under the same weights", result.relative_rms);
+  visit("relative_rms", "1", "rms over that of the data, both parts, under the same weights", result.relative_rms);
   visit("gain_factor", "1", "factor that undoes the bias of relative weight by noise in its divisor",
         result.gain_factor);
   visit("max_residual", "residual", "largest residual", result.max_residual);

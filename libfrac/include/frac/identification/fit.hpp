@@ -205,7 +205,8 @@ struct FitResult {
   double cost;
   double rms;           // sqrt(cost / residual count)
   double max_residual;  // largest |weighted residual|
-  /// rms over that of the data under the same weights: fits of one record with different weights compare by it.
+  /// rms over that of the data, both parts, under the same weights: fits of one record with different weights compare
+  /// by it.
   double relative_rms = std::numeric_limits<double>::quiet_NaN();
   /// Of the data: a parameter with a prior counts by the share of it that the residuals tell.
   double aicc;

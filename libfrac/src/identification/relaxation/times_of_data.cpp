@@ -32,7 +32,7 @@ constexpr double low = 0.025, high = 0.975;
 struct Equations {
   std::vector<double> log_tau;
   std::size_t first_seen, last_seen;  // times within the band
-  Eigen::MatrixXd columns;            // of size 1 at the ends, so that no unit matters
+  Eigen::MatrixXd columns;            // at the ends of the size of the others, so that no unit matters
   Eigen::VectorXd end_scale;
   Eigen::VectorXd target;
   Eigen::VectorXd relative;   // what turns a weighted residual into one relative to the response
@@ -97,7 +97,8 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
     made.target(2 * static_cast<Eigen::Index>(i)) = weight * data.value()[kept[i]].real();
     made.target(2 * static_cast<Eigen::Index>(i) + 1) = weight * data.value()[kept[i]].imag();
   }
-  made.end_scale = made.columns.leftCols(ends).colwise().norm().cwiseInverse();
+  const Eigen::RowVectorXd sizes = made.columns.colwise().norm();
+  made.end_scale = sizes.tail(times).mean() * sizes.head(ends).cwiseInverse();
   made.columns.leftCols(ends) *= made.end_scale.asDiagonal();
   made.roughness = Eigen::MatrixXd::Zero(times + 2, ends + times);
   for (Eigen::Index i = 0; i < times + 2; ++i)
@@ -320,9 +321,9 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
     const std::size_t top = ranges[i].top;
     const double step = of.log_tau[top + 1] - of.log_tau[top];
     const double of_grid = detail::is_narrow(found.density, top) ? step * step / 4 : 0;
-    peaks.push_back({std::exp(detail::peak_place(of.log_tau, found.density, ranges[i])), found_area,
-                     std::exp(quantile(place, low) - of_grid), std::exp(quantile(place, high) + of_grid), lower,
-                     upper});
+    const double at = detail::peak_place(of.log_tau, found.density, ranges[i]);
+    peaks.push_back({std::exp(at), found_area, std::exp(std::min(at, quantile(place, low)) - of_grid),
+                     std::exp(std::max(at, quantile(place, high)) + of_grid), lower, upper});
   }
   return peaks;
 }

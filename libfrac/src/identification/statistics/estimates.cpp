@@ -112,7 +112,7 @@ std::string remark_on_correlation(const FitResult& result, const Confidence& fou
     char correlation[64];
     std::snprintf(correlation, sizeof correlation, " Neighbouring residuals go together (correlation %.2f)",
                   found.noise.correlation());
-    text = correlation + std::string(", by the noise");
+    text = correlation + std::string(", by the noise or by what the model lacks");
   }
   return text + ": intervals are " + (from == to ? from : from + " to " + to) +
          " times as wide as white noise would make them.";

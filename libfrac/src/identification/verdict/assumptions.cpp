@@ -109,8 +109,11 @@ void keep_to_physics(IdentificationResult& result, const FitOptions& options, Ca
     result.notes.push_back("The data speak for " + what + ": " + comparison + ".");
     return;
   }
-  const std::string though = spoken && cut ? ", but both have as many poles as are tried" : "";
-  result.notes.push_back("Chosen is a model without " + what + ": " + comparison + though + ".");
+  const std::string though = !spoken    ? ""
+                             : excluded ? ", but they are excluded"
+                                        : ", but both have as many poles as are tried";
+  result.notes.push_back("The data " + std::string(spoken ? "" : "do not ") + "speak for " + what + ": " + comparison +
+                         though + "; a model without is chosen.");
   // What is chosen may follow a smooth error: that is no reason against what it is.
   choose(result, *candidates.best(chosen, keeps, [&](std::size_t i) { return criterion(candidates[i]); }));
 }
