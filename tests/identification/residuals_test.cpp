@@ -7,9 +7,11 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identification/residuals/parameter_map.hpp"
@@ -26,6 +28,7 @@ struct Case {
   std::vector<frac::ParameterConstraint> constraints;
 };
 
+const frac::Realisation exact = frac::ExactRealisation{};
 const frac::detail::DataScale scale = {0.3, 0.01, 2, 4, 0.5, 30};
 
 std::vector<Case> cases() {
@@ -119,7 +122,7 @@ TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
         if (weight == Weight::log_complex && (component == Component::imaginary || component == Component::real))
           continue;
         const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
-        const frac::detail::FrequencyResiduals residuals(data, structure, frac::ExactRealisation{}, map, rule);
+        const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
         std::vector<double> theta = map.to_theta(test.parameters);
         const double before = residuals.cost(theta), told = frac::detail::match_magnitude(residuals, theta),
                      after = residuals.cost(theta);
@@ -137,6 +140,70 @@ TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
   }
   // Of the 18 pairs of component and weight all of R0, those of the phase, and some of b0.
   EXPECT_LT(untold, 18 + 4 * 4 + 14);
+}
+
+// A start may be so far below the data that their difference has no digit of it left.
+TEST(Residuals, TheBestFactorIsThatOfAModelFarBelowTheData) {
+  const frac::FrequencyResponseData data = samples();
+  const frac::Structure structure("K/(T s^a + 1)");
+  const frac::detail::ParameterMap map(structure, {}, scale);
+  for (const Component component : {Component::imaginary, Component::real, Component::both, Component::magnitude}) {
+    const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, Weight::absolute);
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
+    const auto matched = [&](double gain) {
+      std::vector<double> theta = map.to_theta(std::vector<double>{gain, 0.4, 0.7});
+      const double told = frac::detail::match_magnitude(residuals, theta);
+      return std::pair(map.to_user(theta)[0], told);
+    };
+    const auto [gain, cost] = matched(1);
+    for (const double start : {1e-20, 1e-15, 1e15}) {
+      EXPECT_NEAR(matched(start).first, gain, 1e-12 * gain) << frac::to_string(component) << start;
+      EXPECT_NEAR(matched(start).second, cost, 1e-12 * cost) << frac::to_string(component) << start;
+    }
+  }
+}
+
+// By the model itself, with each value times 2 to its exponent.  A number in a sum, an exponent that changes with an
+// order, a known gain and a limit in the unit of the model keep the whole from doubling, and what it then costs is not
+// that of twice the model.
+TEST(ParameterMap, TellsWhichModelsScaleAsAWhole) {
+  const auto ordered = [](std::optional<double> most, bool positive) {
+    frac::ParameterConstraint lesser{"A", {}, {}, {}, {}}, greater{"B", {}, {}, most, {}};
+    greater.above = "A";
+    lesser.positive = greater.positive = positive;
+    return std::vector{lesser, greater};
+  };
+  std::vector<Case> all = cases();
+  all.insert(all.end(), {{"K/(T s + 1)", {2, 0.4}, {{"T", 0.4, {}, {}, {}}}},
+                         {"K/(T s + 1)", {2, 0.4}, {{"K", 2, {}, {}, {}}}},
+                         {"K/(T s + 1) + 1", {2, 0.4}, {}},
+                         {"1/(T s + 1)", {0.4}, {}},
+                         {"R + 1/(Q s)^a", {0.5, 2, 0.7}, {}},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered({}, false)},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered({}, true)},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered(3, true)},
+                         {"A + K/(B s + 1)", {0.5, 1, 2}, ordered({}, true)}});
+  int scaling = 0;
+  for (const auto& [formula, parameters, constraints] : all) {
+    const frac::Structure structure(formula);
+    const frac::detail::ParameterMap map(structure, constraints, scale);
+    std::vector<double> theta = map.to_theta(parameters);
+    const std::vector<double> before = map.to_user(theta);
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const frac::detail::ParameterMap::Free& entry = map.free()[k];
+      const double factor = std::pow(2, entry.value_exponent);
+      theta[k] = entry.logarithmic ? theta[k] + std::log(factor) : theta[k] * factor;
+    }
+    const std::vector<double> after = map.to_user(theta);
+    bool doubles = true;
+    for (const double omega : {1.0, 4.0, 9.0}) {
+      const std::complex<double> twice = 2.0 * structure.response(before, omega, exact);
+      doubles = doubles && std::abs(structure.response(after, omega, exact) - twice) <= 1e-13 * std::abs(twice);
+    }
+    EXPECT_EQ(map.scales_as_a_whole(), doubles) << formula << ' ' << constraints.size();
+    scaling += doubles;
+  }
+  EXPECT_EQ(scaling, 4 + 3);
 }
 
 TEST(ParameterMap, ThetaAndParametersAreOneToOne) {
