@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -140,6 +142,62 @@ TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
   }
   // Of the 18 pairs of component and weight all of R0, those of the phase, and some of b0.
   EXPECT_LT(untold, 18 + 4 * 4 + 14);
+}
+
+// An unstable model costs a million times as much, squared, with the factor too.
+TEST(Residuals, TheBestFactorTellsTheCostOfAnUnstableModel) {
+  const frac::FrequencyResponseData data = samples();
+  const frac::Structure structure("K/(T s + 1)");
+  const frac::detail::ParameterMap map(structure, {{"T", {}, -std::numeric_limits<double>::infinity(), {}, {}}}, scale);
+  const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, Component::both, Weight::relative);
+  const auto costs = [&](bool only_stable) {
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule, only_stable);
+    std::vector<double> theta = map.to_theta(std::vector<double>{0.8, -0.4});
+    const double told = frac::detail::match_magnitude(residuals, theta);
+    return std::pair(told, residuals.cost(theta));
+  };
+  const auto [told, cost] = costs(true);
+  EXPECT_NEAR(told, cost, 1e-12 * cost);
+  EXPECT_NEAR(told, 1e12 * costs(false).first, 1e-3 * told);
+}
+
+/// Of which nothing is told of the cost with the best factor.
+class Untold final : public frac::detail::Residuals {
+ public:
+  explicit Untold(const frac::detail::FrequencyResiduals& told) : Residuals(told.map()), told_(told) {}
+  [[nodiscard]] std::size_t points() const noexcept override { return told_.points(); }
+  [[nodiscard]] std::size_t per_point() const noexcept override { return told_.per_point(); }
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override {
+    ++evaluations;
+    return told_.evaluate(theta, residual, jacobian);
+  }
+  [[nodiscard]] BestFactor best_factor(std::span<const double> theta) const override {
+    return {told_.best_factor(theta).factor};
+  }
+  mutable std::size_t evaluations = 0;
+
+ private:
+  const frac::detail::FrequencyResiduals& told_;
+};
+
+// The best of some draws is the same whether their costs are told beforehand or each is computed.
+TEST(Residuals, DrawsAreComparedByTheirCosts) {
+  const frac::FrequencyResponseData data = samples();
+  for (const char* formula : {"K/(T s^a + 1)", "K/(T s + 1) + 1", "R + 1/(Q s)^a"}) {
+    const frac::Structure structure(formula);
+    const frac::detail::ParameterMap map(structure, {}, scale);
+    const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, Component::both, Weight::relative);
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
+    const Untold untold(residuals);
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      std::mt19937_64 one(seed), other(seed);
+      EXPECT_EQ(frac::detail::screened_draws(residuals, {}, one, false),
+                frac::detail::screened_draws(untold, {}, other, false))
+          << formula << seed;
+    }
+    // Twelve draws for each of five starts.
+    EXPECT_EQ(untold.evaluations, 20U * 5 * 12) << formula;
+  }
 }
 
 // A start may be so far below the data that their difference has no digit of it left.
