@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "identification/residuals/frequency_problem.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 #include "support/noisy_response.hpp"
 
 namespace {
@@ -70,6 +71,29 @@ TEST(NormalSolve, EndsWhereCeresEnds) {
       EXPECT_NEAR(found.cost, lowest.cost, 1e-9 * lowest.cost) << formula << seed;
       EXPECT_EQ(found.cost, found.objective);
       EXPECT_NEAR(found.cost, fit.problem.residuals().cost(found.theta), 1e-13 * found.cost);
+    }
+  }
+}
+
+// Dead time and order press against their bounds, and all of the model moves with them.  Refits end when a step gains
+// 1e-8 of the cost; a share of 1e-5 is a hundredth of what noise makes of the sum of 120 squares along one direction.
+TEST(LocalSolve, RefitsComeToRestBesideABound) {
+  const struct {
+    const char *formula, *truth;
+    std::vector<frac::ParameterConstraint> constraints;
+    std::vector<double> start;
+  } cases[] = {{"K exp(-L s)/(T s + 1)", "(0.05 s + 1)/(0.5 s + 1)", {}, {1, 0, 0.5}},
+               {"K/(1 + (T s)^a)", "1/(1 + (0.5 s)^1.03)", {{"a", {}, 0, 1, {}}}, {1, 0.5, 1}}};
+  for (const auto& [formula, truth, constraints, start] : cases) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      const FrequencyResponseData data = support::noisy_response(truth, {}, 0.01, seed);
+      Fit fit(data, formula, constraints);
+      const std::vector<double> theta = fit.problem.map.to_theta(start);
+      LocalOptions refit;
+      refit.cost_tolerance = frac::detail::settled_refit;
+      const LocalSolution found = frac::detail::local_solve(fit.problem.residuals(), theta, refit),
+                          lowest = frac::detail::local_solve(fit.problem.residuals(), theta, LocalOptions());
+      EXPECT_NEAR(found.cost, lowest.cost, 1e-5 * lowest.cost) << formula << seed;
     }
   }
 }
