@@ -332,9 +332,11 @@ TEST(Verdict, AStableModelThatIsTheUnstableOneTakesItsPart) {
     frac::detail::merge_equivalent(all, {}, 1, [](const auto&, const auto&) { return true; });
     return all;
   };
-  const auto twins = merged({member(1e-3, true), member(1e-3, false)});
-  ASSERT_EQ(twins.size(), 1u);
-  EXPECT_FALSE(twins[0].stands_in);
+  for (const bool first : {true, false}) {
+    const auto twins = merged({member(1e-3, first), member(1e-3, !first)});
+    ASSERT_EQ(twins.size(), 1u);
+    EXPECT_FALSE(twins[0].stands_in);
+  }
   const auto others = merged({member(1e-3, true), member(2e-3, false)});
   ASSERT_EQ(others.size(), 2u);
   EXPECT_TRUE(others[0].stands_in);

@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <limits>
+#include <optional>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identification/residuals/parameter_map.hpp"
@@ -26,6 +30,7 @@ struct Case {
   std::vector<frac::ParameterConstraint> constraints;
 };
 
+const frac::Realisation exact = frac::ExactRealisation{};
 const frac::detail::DataScale scale = {0.3, 0.01, 2, 4, 0.5, 30};
 
 std::vector<Case> cases() {
@@ -119,7 +124,7 @@ TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
         if (weight == Weight::log_complex && (component == Component::imaginary || component == Component::real))
           continue;
         const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
-        const frac::detail::FrequencyResiduals residuals(data, structure, frac::ExactRealisation{}, map, rule);
+        const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
         std::vector<double> theta = map.to_theta(test.parameters);
         const double before = residuals.cost(theta), told = frac::detail::match_magnitude(residuals, theta),
                      after = residuals.cost(theta);
@@ -137,6 +142,133 @@ TEST(Residuals, TheBestFactorTellsTheCostWithIt) {
   }
   // Of the 18 pairs of component and weight all of R0, those of the phase, and some of b0.
   EXPECT_LT(untold, 18 + 4 * 4 + 14);
+}
+
+// An unstable model costs a million times as much, squared, with the factor too.
+TEST(Residuals, TheBestFactorTellsTheCostOfAnUnstableModel) {
+  const frac::FrequencyResponseData data = samples();
+  const frac::Structure structure("K/(T s + 1)");
+  const frac::detail::ParameterMap map(structure, {{"T", {}, -std::numeric_limits<double>::infinity(), {}, {}}}, scale);
+  const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, Component::both, Weight::relative);
+  const auto costs = [&](bool only_stable) {
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule, only_stable);
+    std::vector<double> theta = map.to_theta(std::vector<double>{0.8, -0.4});
+    const double told = frac::detail::match_magnitude(residuals, theta);
+    return std::pair(told, residuals.cost(theta));
+  };
+  const auto [told, cost] = costs(true);
+  EXPECT_NEAR(told, cost, 1e-12 * cost);
+  EXPECT_NEAR(told, 1e12 * costs(false).first, 1e-3 * told);
+}
+
+/// Counts the costs that are computed, and may keep to itself what is known of them beforehand.
+class Counted final : public frac::detail::Residuals {
+ public:
+  Counted(const frac::detail::FrequencyResiduals& residuals, bool tells)
+      : Residuals(residuals.map()), residuals_(residuals), tells_(tells) {}
+  [[nodiscard]] std::size_t points() const noexcept override { return residuals_.points(); }
+  [[nodiscard]] std::size_t per_point() const noexcept override { return residuals_.per_point(); }
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override {
+    ++costs;
+    return residuals_.evaluate(theta, residual, jacobian);
+  }
+  [[nodiscard]] BestFactor best_factor(std::span<const double> theta) const override {
+    const BestFactor best = residuals_.best_factor(theta);
+    return tells_ ? best : BestFactor{best.factor};
+  }
+  mutable std::size_t costs = 0;
+
+ private:
+  const frac::detail::FrequencyResiduals& residuals_;
+  bool tells_;
+};
+
+// The best of twelve draws for each of five starts is the same whether their costs are known beforehand, where that of
+// the best is the only one to compute, or each is computed.
+TEST(Residuals, DrawsAreComparedByTheirCosts) {
+  const frac::FrequencyResponseData data = samples();
+  for (const char* formula : {"K/(T s^a + 1)", "K/(T s + 1) + 1", "R + 1/(Q s)^a"}) {
+    const frac::Structure structure(formula);
+    const frac::detail::ParameterMap map(structure, {}, scale);
+    const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, Component::both, Weight::relative);
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
+    const Counted known(residuals, true), unknown(residuals, false);
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      std::mt19937_64 one(seed), other(seed);
+      EXPECT_EQ(frac::detail::screened_draws(known, {}, one, false),
+                frac::detail::screened_draws(unknown, {}, other, false))
+          << formula << seed;
+    }
+    EXPECT_EQ(unknown.costs, 20U * 5 * 12) << formula;
+    // Two that differ by rounding are both computed.
+    if (map.scales_as_a_whole()) {
+      EXPECT_LT(known.costs, 20U * 5 * 2) << formula;
+    }
+  }
+}
+
+// A start may be so far below the data that their difference has no digit of it left.
+TEST(Residuals, TheBestFactorIsThatOfAModelFarBelowTheData) {
+  const frac::FrequencyResponseData data = samples();
+  const frac::Structure structure("K/(T s^a + 1)");
+  const frac::detail::ParameterMap map(structure, {}, scale);
+  for (const Component component : {Component::imaginary, Component::real, Component::both, Component::magnitude}) {
+    const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, Weight::absolute);
+    const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
+    const auto matched = [&](double gain) {
+      std::vector<double> theta = map.to_theta(std::vector<double>{gain, 0.4, 0.7});
+      const double told = frac::detail::match_magnitude(residuals, theta);
+      return std::pair(map.to_user(theta)[0], told);
+    };
+    const auto [gain, cost] = matched(1);
+    for (const double start : {1e-20, 1e-15, 1e15}) {
+      EXPECT_NEAR(matched(start).first, gain, 1e-12 * gain) << frac::to_string(component) << start;
+      EXPECT_NEAR(matched(start).second, cost, 1e-12 * cost) << frac::to_string(component) << start;
+    }
+  }
+}
+
+// By the model itself, with each value times 2 to its exponent.  A number in a sum, an exponent that changes with an
+// order, a known gain and a limit in the unit of the model keep the whole from doubling, and what it then costs is not
+// that of twice the model.
+TEST(ParameterMap, TellsWhichModelsScaleAsAWhole) {
+  const auto ordered = [](std::optional<double> most, bool positive) {
+    frac::ParameterConstraint lesser{"A", {}, {}, {}, {}}, greater{"B", {}, {}, most, {}};
+    greater.above = "A";
+    lesser.positive = greater.positive = positive;
+    return std::vector{lesser, greater};
+  };
+  std::vector<Case> all = cases();
+  all.insert(all.end(), {{"K/(T s + 1)", {2, 0.4}, {{"T", 0.4, {}, {}, {}}}},
+                         {"K/(T s + 1)", {2, 0.4}, {{"K", 2, {}, {}, {}}}},
+                         {"K/(T s + 1) + 1", {2, 0.4}, {}},
+                         {"1/(T s + 1)", {0.4}, {}},
+                         {"R + 1/(Q s)^a", {0.5, 2, 0.7}, {}},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered({}, false)},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered({}, true)},
+                         {"A + B/(T s + 1)", {0.5, 2, 0.4}, ordered(3, true)},
+                         {"A + K/(B s + 1)", {0.5, 1, 2}, ordered({}, true)}});
+  int scaling = 0;
+  for (const auto& [formula, parameters, constraints] : all) {
+    const frac::Structure structure(formula);
+    const frac::detail::ParameterMap map(structure, constraints, scale);
+    std::vector<double> theta = map.to_theta(parameters);
+    const std::vector<double> before = map.to_user(theta);
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const frac::detail::ParameterMap::Free& entry = map.free()[k];
+      const double factor = std::pow(2, entry.value_exponent);
+      theta[k] = entry.logarithmic ? theta[k] + std::log(factor) : theta[k] * factor;
+    }
+    const std::vector<double> after = map.to_user(theta);
+    bool doubles = true;
+    for (const double omega : {1.0, 4.0, 9.0}) {
+      const std::complex<double> twice = 2.0 * structure.response(before, omega, exact);
+      doubles = doubles && std::abs(structure.response(after, omega, exact) - twice) <= 1e-13 * std::abs(twice);
+    }
+    EXPECT_EQ(map.scales_as_a_whole(), doubles) << formula << ' ' << constraints.size();
+    scaling += doubles;
+  }
+  EXPECT_EQ(scaling, 4 + 3);
 }
 
 TEST(ParameterMap, ThetaAndParametersAreOneToOne) {

@@ -168,6 +168,13 @@ Solved solved(const Conditions& conditions, Eigen::Index unknowns) {
 
 }  // namespace
 
+bool scales_with_parameters(const Structure& structure, std::span<const double> parameters) {
+  if (parameters.empty()) return false;
+  Conditions conditions;
+  conditions.require_value(dimensions_of(structure, parameters, conditions).back());
+  return solved(conditions, static_cast<Eigen::Index>(parameters.size())).has_value;
+}
+
 std::vector<KnownDimension> known_dimensions(const Structure& structure, std::span<const double> parameters) {
   const auto unknowns = static_cast<Eigen::Index>(parameters.size());
   if (unknowns == 0) return {};

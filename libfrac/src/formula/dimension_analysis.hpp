@@ -23,6 +23,10 @@ struct ParameterDimension {
 [[nodiscard]] std::vector<ParameterDimension> parameter_dimensions(const Structure& structure,
                                                                    std::span<const double> parameters);
 
+/// Whether the exponents of [value] meet all that is asked of them, so that parameters times a factor to these multiply
+/// the whole formula by the factor: not where a number stands in a sum with the unit of the formula.
+[[nodiscard]] bool scales_with_parameters(const Structure& structure, std::span<const double> parameters);
+
 /// The same as far as it follows: empty where the formula leaves a choice, and for all parameters where no units of
 /// theirs meet its conditions.
 struct KnownDimension {

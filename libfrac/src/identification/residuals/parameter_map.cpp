@@ -204,6 +204,7 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
   }
   measure_from_lesser_ones(structure, lesser, entry_of);
   sequence_ = in_sequence(free_);
+  scales_as_a_whole_ = scales_as_a_whole(structure, orders.middle, dimensions);
 }
 
 ParameterMap::OrderLimits ParameterMap::limits_of_orders(const Structure& structure,
@@ -228,6 +229,24 @@ ParameterMap::Dimensions ParameterMap::dimensions_of(const Structure& structure,
     dimensions.at_shifted_order.push_back(parameter_dimensions(structure, shifted));
   }
   return dimensions;
+}
+
+bool ParameterMap::scales_as_a_whole(const Structure& structure, const std::vector<double>& orders,
+                                     const Dimensions& dimensions) const {
+  constexpr double rounding = 1e-9;
+  const auto exponent = [&](std::size_t i) { return dimensions.at_middle[i].value_exponent; };
+  for (std::size_t i = 0; i < fixed_.size(); ++i) {
+    if (is_fixed(i) && std::abs(exponent(i)) > rounding) return false;
+    for (const std::vector<ParameterDimension>& shifted : dimensions.at_shifted_order)
+      if (std::abs(shifted[i].value_exponent - exponent(i)) > rounding) return false;
+  }
+  // What is measured from another one goes with that, and what is measured to a limit does not go far.
+  for (const Free& entry : free_) {
+    if (!entry.above) continue;
+    const double own = exponent(entry.parameter), other = exponent(free_[*entry.above].parameter);
+    if (std::abs(own - other) > rounding || (entry.most < infinity && std::abs(own) > rounding)) return false;
+  }
+  return scales_with_parameters(structure, orders);
 }
 
 void ParameterMap::tighten_orders(const std::vector<std::size_t>& lesser, OrderLimits& orders) const {

@@ -55,6 +55,9 @@ class ParameterMap {
   [[nodiscard]] std::size_t parameter_count() const noexcept { return fixed_.size(); }
   [[nodiscard]] const std::vector<Free>& free() const noexcept { return free_; }
   [[nodiscard]] const DataScale& scale() const noexcept { return scale_; }
+  /// Whether free entries times a factor to their value exponents multiply the whole model by the factor, at any
+  /// orders.
+  [[nodiscard]] bool scales_as_a_whole() const noexcept { return scales_as_a_whole_; }
   [[nodiscard]] bool is_fixed(std::size_t parameter) const { return !std::isnan(fixed_[parameter]); }
 
   /// Start values of the user; a free parameter without one is NaN.
@@ -93,6 +96,8 @@ class ParameterMap {
   [[nodiscard]] OrderLimits limits_of_orders(const Structure& structure,
                                              const std::vector<ParameterConstraint>& of) const;
   [[nodiscard]] Dimensions dimensions_of(const Structure& structure, const std::vector<double>& orders) const;
+  [[nodiscard]] bool scales_as_a_whole(const Structure& structure, const std::vector<double>& orders,
+                                       const Dimensions& dimensions) const;
   void tighten_orders(const std::vector<std::size_t>& lesser, OrderLimits& orders) const;
   void add_entry(std::size_t parameter, ParameterRole role, const ParameterConstraint& constraint,
                  const OrderLimits& orders, const Dimensions& dimensions);
@@ -118,7 +123,8 @@ class ParameterMap {
   std::vector<std::size_t> order_parameters_;
   std::vector<std::vector<double>> slope_;  // [free][order parameter]: d frequency exponent / d order
   std::vector<double> intercept_;           // [free]: frequency exponent at all orders 0
-  std::vector<std::size_t> sequence_;       // of free(): orders first, and each one after that which it is above
+  bool scales_as_a_whole_ = false;
+  std::vector<std::size_t> sequence_;  // of free(): orders first, and each one after that which it is above
 };
 
 }  // namespace frac::detail

@@ -110,44 +110,40 @@ Residuals::BestFactor FrequencyResiduals::best_factor(std::span<const double> th
   scratch_.resize(count());
   if (!rule_.residuals(value_, data_.value(), scratch_.data())) return {1, std::numeric_limits<double>::infinity()};
   double factor = 1, cost = 0, cost_without = 0;
+  for (const double residual : scratch_) cost_without += residual * residual;
   if (rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude) {
     double sum = 0;
-    for (std::size_t i = 0; i < scratch_.size(); ++i) {
-      if (i % per_point() == 0) sum += scratch_[i];
-      cost_without += scratch_[i] * scratch_[i];
-    }
+    for (std::size_t i = 0; i < scratch_.size(); i += per_point()) sum += scratch_[i];
     const double mean = sum / static_cast<double>(points());
     factor = std::exp(-mean);
     cost = cost_without - mean * sum;
   } else {
+    // Of the model itself: what a residual adds to the datum has lost the digits of a model far below the data.
     double product = 0, power = 0, of_data = 0;
+    const auto add = [&](double model, double datum) {
+      product += model * datum;
+      power += model * model;
+      of_data += datum * datum;
+    };
     for (std::size_t i = 0; i < points(); ++i) {
-      const std::complex<double> datum = data_.value()[i];
-      const double* residual = scratch_.data() + i * per_point();
-      const auto add = [&](double rest, double target) {
-        product += (rest + target) * target;
-        power += (rest + target) * (rest + target);
-        of_data += target * target;
-      };
-      const double w = rule_.weight[i];
+      const std::complex<double> model = rule_.weight[i] * value_[i], datum = rule_.weight[i] * data_.value()[i];
       switch (rule_.form) {
         case ResidualForm::imaginary:
-          add(residual[0], w * datum.imag());
+          add(model.imag(), datum.imag());
           break;
         case ResidualForm::real:
-          add(residual[0], w * datum.real());
+          add(model.real(), datum.real());
           break;
         case ResidualForm::cartesian:
-          add(residual[0], w * datum.real());
-          add(residual[1], w * datum.imag());
+          add(model.real(), datum.real());
+          add(model.imag(), datum.imag());
           break;
         default:
-          add(residual[0], w * std::abs(datum));
+          add(std::abs(model), std::abs(datum));
       }
     }
     factor = product / power;
     cost = of_data - factor * product;
-    cost_without = of_data - 2 * product + power;
   }
   const bool is_usable = factor > 0 && std::isfinite(factor);
   return {is_usable ? factor : 1, std::max(0.0, std::pow(wall(parameters), 2) * (is_usable ? cost : cost_without))};

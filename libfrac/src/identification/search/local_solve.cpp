@@ -166,7 +166,9 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
-  constexpr double scouting = 1e-9;
+  // What ends closer is an answer, as refits are: there the others have to come to rest beside one that presses against
+  // its bound.
+  constexpr double scouting = 1e-7;
   if (!loss && options.cost_tolerance >= scouting) return normal_solve(residuals, start, options);
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

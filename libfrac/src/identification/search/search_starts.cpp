@@ -130,7 +130,7 @@ double match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
   const double log_factor = std::log(best.factor);
   if (log_factor == 0) return best.cost;
   const auto& free = residuals.map().free();
-  bool as_a_whole = free.size() == residuals.map().parameter_count();
+  bool as_a_whole = residuals.map().scales_as_a_whole();
   for (std::size_t k = 0; k < free.size(); ++k) {
     const double shift = free[k].value_exponent * log_factor;
     const double matched = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);

@@ -30,8 +30,8 @@ namespace frac::detail {
 
 /// Multiplies the whole model by the factor that brings it nearest the data: by homogeneity, each parameter times the
 /// factor to the power of its dimension.
-/// @return what the model costs then, but for rounding and priors, or 0 where a bound or a fixed parameter keeps the
-/// model from the factor
+/// @return what the model costs then, but for rounding and priors, or 0 where that is not known: where a bound holds a
+/// parameter back, or the parameters do not scale the model as a whole
 double match_magnitude(const Residuals& residuals, std::vector<double>& theta);
 
 /// A random place about another one: `reach` e-folds away in coefficients, a third of `reach` in orders.  A coefficient
