@@ -251,6 +251,9 @@ TEST(Analyse, ClosesALoop) {
   const Json json = Json::parse(result.output);
   EXPECT_EQ(json["model"], "8/(s^1.5 + 8)");
   EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -2, 1e-13);
+  // Margins are those of the loop: 8/s^1.5 has size 1 at 4 rad/s and an angle of -135 deg everywhere.
+  EXPECT_NEAR(json["margins"]["phase_margin_rad"].get<double>(), std::numbers::pi / 4, 1e-9);
+  EXPECT_NEAR(json["margins"]["gain_crossovers"][0]["omega"].get<double>(), 4, 1e-9);
   expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
 }
 

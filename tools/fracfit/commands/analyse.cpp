@@ -21,19 +21,22 @@ struct Analysis {
   frac::StabilityAnalysis stability;
   frac::PeakGain peak;
   double h2;
-  frac::Margins margins;
+  bool is_closed;                                        // the model is a closed loop
+  frac::Margins margins;                                 // of the loop that was closed, or of the model as one
   std::optional<frac::ClosedLoopStability> closed_loop;  // empty where the loop does not fall below 1
 };
 
-Analysis analysis_of(const frac::FractionalTransferFunction& model) {
+Analysis analysis_of(const frac::FractionalTransferFunction& model, const frac::FractionalTransferFunction& loop,
+                     bool is_closed) {
   Analysis result{model,
                   frac::analyse_stability(model),
                   frac::h_infinity_norm(model),
                   frac::h2_norm(model),
-                  frac::margins(model),
+                  is_closed,
+                  frac::margins(loop),
                   std::nullopt};
   try {
-    result.closed_loop = frac::analyse_closed_loop(model);
+    result.closed_loop = frac::analyse_closed_loop(loop);
   } catch (const std::invalid_argument&) {
     result.closed_loop.reset();
   }
@@ -144,7 +147,7 @@ std::string table_text(const Analysis& result) {
   }
   text += "\nH2 norm: " + short_number(result.h2) + "\nH-infinity norm: " + short_number(result.peak.gain);
   if (std::isfinite(result.peak.omega)) text += " at " + short_number(result.peak.omega) + " rad/s";
-  text += "\n\nas a loop under unity feedback: ";
+  text += result.is_closed ? "\n\nthe loop that was closed: " : "\n\nas a loop under unity feedback: ";
   text += result.closed_loop ? std::string(frac::to_string(result.closed_loop->stability))
                              : "not judged, |L| does not fall below 1 at high frequency";
   if (is_unstable_when_closed(result)) {
@@ -164,8 +167,8 @@ class Analyse : public Command {
     Options& o = options();
     add_model(o, model_).required();
     o.parsed("--feedback", feedback_, formula_of,
-             "Take the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop "
-             "as the model: its analysis says whether it is stable when closed",
+             "Take the closed loop model/(1 + model FORMULA) in place of the model, with the margins of the loop model "
+             "FORMULA; with dead time, give the loop as the model: its analysis says whether it is stable when closed",
              "FORMULA");
     o.text("--pictures", pictures_,
            "Draw into this folder (SVG, PNG, gnuplot); Bode, Nyquist and Nichols diagrams and the step response",
@@ -182,7 +185,9 @@ class Analyse : public Command {
  private:
   int run() override {
     if (!pictures_.empty()) make_picture_folder(pictures_);
-    const Analysis result = analysis_of(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_);
+    const Analysis result =
+        feedback_ ? analysis_of(frac::simplified(frac::feedback(*model_, *feedback_)), *model_ * *feedback_, true)
+                  : analysis_of(*model_, *model_, false);
     std::vector<report::Figure> figures;
     if (!pictures_.empty()) figures = report::model_figures(result.model, "model");
     write(format() == "table" ? table_text(result) : json_text(result, command_line()));

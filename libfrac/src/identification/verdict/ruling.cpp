@@ -161,7 +161,7 @@ bool decides(double evidence) {
 }
 
 bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
-  const bool refused = verdict == Verdict::fractional_not_supported && result.evidence > 0;
+  const bool refused = verdict == Verdict::fractional_not_supported && !(result.evidence < refuted_evidence);
   return refused || does_not_show(pair.orders) || (pair.orders.any_free && pair.orders.all_nearly_whole);
 }
 

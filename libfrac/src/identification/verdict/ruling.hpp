@@ -35,7 +35,7 @@ struct Ruling {
 
 /// Whether the odds of the two classes follow from the departure evidence.  They do where the fractional finalist has
 /// whole orders, so that its evidence does not speak for fractional orders, and where the verdict is not-supported
-/// although evidence is above 0.
+/// although evidence alone would not refuse.
 [[nodiscard]] bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict);
 
 /// Posterior odds of fractional to integer order: see IdentificationResult::log10_odds.

@@ -45,16 +45,11 @@ std::string rms_text(double rms) {
   return std::isfinite(rms) ? four_digits(rms) : "none (what is left does not determine the model)";
 }
 
-/// The departure evidence is named where the odds follow from it although evidence has the other sign.
-bool told_apart(const IdentificationResult& result, bool departing) {
-  return departing && (result.evidence > 0) != (result.departure_evidence > 0);
-}
-
 std::string odds(const IdentificationResult& result, bool departing) {
   return "odds " + four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for " +
-         (result.log10_odds > 0           ? "the fractional one"
-          : told_apart(result, departing) ? "whole orders"
-                                          : "the integer-order one");
+         (result.log10_odds > 0 ? "the fractional one"
+          : departing           ? "whole orders"
+                                : "the integer-order one");
 }
 
 std::string compared(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
@@ -63,7 +58,8 @@ std::string compared(const IdentificationResult& result, const Comparison& pair,
 }
 
 std::string note_on_evidence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling) {
-  const bool both = told_apart(result, departure_decides(result, pair, ruling.verdict));
+  // What the odds follow from is named.
+  const bool both = departure_decides(result, pair, ruling.verdict);
   return "Evidence is " + four_digits(result.evidence) +
          (both ? ", that of orders other than whole " + four_digits(result.departure_evidence) : "") + ruling.reason +
          "; the odds are those of two classes that were equal before.";
