@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -194,8 +195,8 @@ TEST(JointRecords, RecoverWhatMadeAnExactSpectrumAndAnExactRecord) {
   EXPECT_NEAR(result.curves[1].parameters[0].value, 2, 1e-6);
 }
 
-// What a spectrum and a record know of common parameters adds up: the inverse covariances of their fits alone, and the
-// estimates by them.  Noise so small that all is linear.
+// What a spectrum and a record know of common parameters adds up: J'J/s^2 of their fits alone, and the estimates by
+// them.  Noise so small that all is linear; central differences are right to the square of their step.
 TEST(JointRecords, ASpectrumAndARecordTellTogetherWhatTheyTellAlone) {
   std::mt19937_64 generator(3);
   std::vector<JointCurve> curves{{"spectrum", support::noisy_response(lag, {2, 0.7, 0.8}, 0.002, generator, 40)},
@@ -211,20 +212,37 @@ TEST(JointRecords, ASpectrumAndARecordTellTogetherWhatTheyTellAlone) {
   const FitResult of_record = fit(*curves[1].record(), Structure(lag), over_time);
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
-  for (const FitResult* alone : {&of_spectrum, &of_record}) {
-    Eigen::Matrix3d covariance;
-    Eigen::Vector3d value;
-    for (int i = 0; i < 3; ++i) {
-      const auto& row = alone->parameters[static_cast<std::size_t>(i)];
-      value[i] = row.value;
-      for (int k = 0; k < 3; ++k) {
-        const double widening = row.widening * alone->parameters[static_cast<std::size_t>(k)].widening;
-        covariance(i, k) = alone->covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] / widening;
-      }
+  const auto add = [&](const FitResult& alone,
+                       const std::function<Eigen::VectorXd(const std::vector<double>&)>& model) {
+    std::vector<double> value;
+    for (const ParameterEstimate& each : alone.parameters) value.push_back(each.value);
+    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(alone.residuals), 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      constexpr double step = 1e-4;
+      std::vector<double> above = value, below = value;
+      above[k] += step;
+      below[k] -= step;
+      jacobian.col(static_cast<Eigen::Index>(k)) = (model(above) - model(below)) / (2 * step);
     }
-    information += covariance.inverse();
-    weighted += covariance.inverse() * value;
-  }
+    const double variance = alone.cost / (static_cast<double>(alone.residuals) - 3);
+    const Eigen::Matrix3d known = jacobian.transpose() * jacobian / variance;
+    information += known;
+    weighted += known * Eigen::Map<const Eigen::Vector3d>(value.data());
+  };
+  add(of_spectrum, [&](const std::vector<double>& value) {
+    const auto& data = *curves[0].response();
+    Eigen::VectorXd weighed(2 * static_cast<Eigen::Index>(data.size()));
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const auto each = Structure(lag).response(value, data.omega()[i]) / std::abs(data.value()[i]);
+      weighed.segment<2>(2 * static_cast<Eigen::Index>(i)) << each.real(), each.imag();
+    }
+    return weighed;
+  });
+  add(of_record, [&](const std::vector<double>& value) {
+    std::mt19937_64 none;
+    const std::vector<double> output = record_of(value[0], value[1], value[2], 0, none).output();
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(output.data(), std::ssize(output)));
+  });
   const Eigen::Matrix3d covariance = information.inverse();
   const Eigen::Vector3d value = covariance * weighted;
   for (int i = 0; i < 3; ++i) {

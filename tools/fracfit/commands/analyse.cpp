@@ -166,10 +166,11 @@ class Analyse : public Command {
   Analyse() : Command("analyse", "Poles, stability, norms and margins of a fractional transfer function") {
     Options& o = options();
     add_model(o, model_).required();
-    o.parsed("--feedback", feedback_, formula_of,
-             "Take the closed loop model/(1 + model FORMULA) in place of the model, with the margins of the loop model "
-             "FORMULA; with dead time, give the loop as the model: its analysis says whether it is stable when closed",
-             "FORMULA");
+    o.parsed(
+        "--feedback", feedback_, formula_of,
+        "Take the closed loop model/(1 + model FORMULA) in place of the model; margins are those of the loop model "
+        "FORMULA; with dead time, give the loop as the model: its analysis says whether it is stable when closed",
+        "FORMULA");
     o.text("--pictures", pictures_,
            "Draw into this folder (SVG, PNG, gnuplot); Bode, Nyquist and Nichols diagrams and the step response",
            "FOLDER")

@@ -111,7 +111,8 @@ void require_table_size(std::initializer_list<std::pair<std::string_view, std::s
 
 Option::Option(Kind kind, std::string name, const std::string& help, const std::string& type, Take take)
     : kind_(kind), name_(std::move(name)), type_(type), help_(help), take_(std::move(take)) {
-  if (kind_ == Kind::flag || !type_.empty()) return;
+  // Flags that one command has say themselves what they are.
+  if (!type_.empty() || (kind_ == Kind::flag && !help.empty())) return;
   const Meaning& meaning = meaning_of(name_);
   type_ = meaning.type;
   help_ = meaning.text + (help.empty() ? "" : "; " + help);
