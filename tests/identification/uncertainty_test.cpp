@@ -235,7 +235,8 @@ TEST(SmoothError, HasTheLikelihoodOfItsCovarianceMatrix) {
       EXPECT_NEAR(found.logarithm, logarithm, 1e-8) << share << ' ' << length;
       EXPECT_NEAR(found.variance / (left / degrees), 1, 1e-9) << share << ' ' << length;
       const Eigen::MatrixXd exact = a.transpose() * covariance * a;
-      const Eigen::MatrixXd error = smooth.covariance(smooth.influences(influence), share, length) - exact;
+      const frac::detail::SmoothError::Possibility possible{1, share, length};
+      const Eigen::MatrixXd error = smooth.covariance(smooth.influences(influence), {&possible, 1}) - exact;
       EXPECT_LT(error.norm(), 1e-12 * exact.norm()) << share << ' ' << length;
     }
   }
@@ -274,7 +275,8 @@ TEST(SmoothError, OfManyPointsIsThatOfBlocks) {
     const double left = r.dot(factor.solve(r)) - pull * pull / known;
     const double degrees = points - 1;
     EXPECT_NEAR(smooth.at(std::vector<double>{share}, length).front().variance / (left / degrees), 1, 1e-3) << share;
-    EXPECT_NEAR(smooth.covariance(smooth.influences(basis), share, length)(0, 0) / x.dot(covariance * x), 1, 1e-3)
+    const frac::detail::SmoothError::Possibility possible{1, share, length};
+    EXPECT_NEAR(smooth.covariance(smooth.influences(basis), {&possible, 1})(0, 0) / x.dot(covariance * x), 1, 1e-3)
         << share;
   }
 }

@@ -166,14 +166,21 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
-  // What ends closer is an answer, as refits are: there the others have to come to rest beside one that presses against
-  // its bound.
-  constexpr double scouting = 1e-7;
-  if (!loss && options.cost_tolerance >= scouting) return normal_solve(residuals, start, options);
+  constexpr double by_normal_equations = 1e-9, scouting = 1e-7;
+  std::vector<double> end = start;
+  if (!loss && options.cost_tolerance >= by_normal_equations) {
+    LocalSolution found = normal_solve(residuals, start, options);
+    // What ends closer than scouts is an answer, as refits are: there the others have to come to rest beside one that
+    // presses against its bound.
+    bool presses = false;
+    for (std::size_t k = 0; k < free.size(); ++k)
+      presses = presses || found.theta[k] <= free[k].lower || found.theta[k] >= free[k].upper;
+    if (options.cost_tolerance >= scouting || !presses) return found;
+    end = std::move(found.theta);
+  }
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  std::vector<double> end = start;
   double* theta = end.data();
   LastEvaluation evaluation(residuals, !loss);
   if (!evaluation.at(theta)) {

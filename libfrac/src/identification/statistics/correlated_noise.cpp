@@ -12,19 +12,19 @@ namespace {
 /// Beyond this correlation a record looks like a drift, and its level is not determined.
 constexpr double most_correlation = 0.98;
 
-/// Covariance of columns' * noise for noise of unit variance and correlation r^lag.
-Eigen::MatrixXd covariance_under(double r, const Eigen::Ref<const Eigen::MatrixXd>& columns, std::size_t per_point) {
+/// Adds the earlier rows, each times r per point since, and all times a factor.
+void add_earlier(double factor, double r, const Eigen::Ref<const Eigen::MatrixXd>& columns, std::size_t per_point,
+                 Eigen::MatrixXd& sum) {
   const auto stride = static_cast<Eigen::Index>(per_point);
-  Eigen::MatrixXd with_earlier = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  for (Eigen::Index part = 0; part < stride; ++part) {
-    // Sum of the earlier rows, each times r per point since.
-    Eigen::RowVectorXd carried = Eigen::RowVectorXd::Zero(columns.cols());
-    for (Eigen::Index i = part; i < columns.rows(); i += stride) {
-      with_earlier += columns.row(i).transpose() * (0.5 * columns.row(i) + carried);
-      carried = r * (carried + columns.row(i));
+  for (Eigen::Index column = 0; column < columns.cols(); ++column) {
+    for (Eigen::Index part = 0; part < stride; ++part) {
+      double carried = 0;
+      for (Eigen::Index i = part; i < columns.rows(); i += stride) {
+        sum(i, column) += factor * carried;
+        carried = r * (carried + columns(i, column));
+      }
     }
   }
-  return with_earlier + with_earlier.transpose();
 }
 
 }  // namespace
@@ -129,15 +129,23 @@ void CorrelatedNoise::add_smooth(double white_variance) {
 
 Eigen::MatrixXd CorrelatedNoise::covariance(const Eigen::Ref<const Eigen::MatrixXd>& columns) const {
   if (possibilities_.empty()) return columns.transpose() * columns;
-  std::optional<SmoothError::Influences> sums;
-  if (smooth_) sums = smooth_->influences(columns);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  std::vector<SmoothError::Possibility> smooth;
+  double variance = 0;
+  Eigen::MatrixXd half = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   for (const Possibility& each : possibilities_) {
     if (each.probability < 1e-6) continue;
-    covariance += each.probability * each.variance *
-                  (each.share > 0 ? smooth_->covariance(*sums, each.share, each.length)
-                                  : covariance_under(each.correlation, columns, per_point_));
+    const double weight = each.probability * each.variance;
+    if (each.share > 0) {
+      smooth.push_back({weight, each.share, each.length});
+      continue;
+    }
+    variance += weight;
+    if (each.correlation > 0) add_earlier(weight, each.correlation, columns, per_point_, half);
   }
+  half += 0.5 * variance * columns;
+  Eigen::MatrixXd covariance = columns.transpose() * half;
+  covariance += covariance.transpose().eval();
+  if (!smooth.empty()) covariance += smooth_->covariance(smooth_->influences(columns), smooth);
   return covariance;
 }
 

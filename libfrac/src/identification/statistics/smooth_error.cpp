@@ -215,25 +215,38 @@ SmoothError::Influences SmoothError::influences(const Eigen::Ref<const Eigen::Ma
   return result;
 }
 
-Eigen::MatrixXd SmoothError::covariance(const Influences& of, double share, double length) const {
-  const double rate = std::sqrt(3.0) / length;
+Eigen::MatrixXd SmoothError::covariance(const Influences& of, std::span<const Possibility> possibilities) const {
   const auto parts = static_cast<Eigen::Index>(axis_.per_point);
-  Eigen::MatrixXd with_earlier = Eigen::MatrixXd::Zero(of.sums.cols(), of.sums.cols());
-  for (Eigen::Index part = 0; part < parts; ++part) {
-    // Earlier sums, each times e^-q, and times (1 + q) e^-q less that.
-    Eigen::RowVectorXd faded = Eigen::RowVectorXd::Zero(of.sums.cols()), sloped = faded;
-    for (std::size_t b = 0; b < position_.size(); ++b) {
-      if (b > 0) {
-        const double q = rate * (position_[b] - position_[b - 1]), decay = std::exp(-q);
-        sloped = decay * (sloped + q * faded);
-        faded *= decay;
+  double white = 0, smooth = 0;
+  // Of each sum half of itself and all earlier ones, by their covariance with it: products with the sums and their
+  // transpose count each pair twice.
+  Eigen::MatrixXd half = Eigen::MatrixXd::Zero(of.sums.rows(), of.sums.cols());
+  for (const auto& [variance, share, length] : possibilities) {
+    white += variance * (1 - share);
+    smooth += variance * share;
+    const double rate = std::sqrt(3.0) / length;
+    std::vector<double> distance(position_.size()), decay(position_.size());
+    for (std::size_t b = 1; b < position_.size(); ++b) {
+      distance[b] = rate * (position_[b] - position_[b - 1]);
+      decay[b] = std::exp(-distance[b]);
+    }
+    for (Eigen::Index column = 0; column < of.sums.cols(); ++column) {
+      for (Eigen::Index part = 0; part < parts; ++part) {
+        // Earlier sums, each times e^-q, and times (1 + q) e^-q less that.
+        double faded = 0, sloped = 0;
+        for (std::size_t b = 0; b < position_.size(); ++b) {
+          const Eigen::Index row = static_cast<Eigen::Index>(b) * parts + part;
+          sloped = decay[b] * (sloped + distance[b] * faded);
+          faded *= decay[b];
+          half(row, column) += variance * share * (faded + sloped);
+          faded += of.sums(row, column);
+        }
       }
-      const auto sum = of.sums.row(static_cast<Eigen::Index>(b) * parts + part);
-      with_earlier += sum.transpose() * (0.5 * sum + faded + sloped);
-      faded += sum;
     }
   }
-  return (1 - share) * of.products + share * (with_earlier + with_earlier.transpose());
+  half += 0.5 * smooth * of.sums;
+  const Eigen::MatrixXd of_smooth = of.sums.transpose() * half;
+  return white * of.products + of_smooth + of_smooth.transpose();
 }
 
 }  // namespace frac::detail

@@ -45,8 +45,12 @@ class SmoothError {
     Eigen::MatrixXd products;
   };
   [[nodiscard]] Influences influences(const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
-  /// Covariance of columns' * residuals, for residuals of unit variance.
-  [[nodiscard]] Eigen::MatrixXd covariance(const Influences& of, double share, double length) const;
+  /// A residual of that variance.
+  struct Possibility {
+    double variance, share, length;
+  };
+  /// Covariance of columns' * residuals, summed over what is possible.
+  [[nodiscard]] Eigen::MatrixXd covariance(const Influences& of, std::span<const Possibility> possibilities) const;
 
  private:
   using Shares = std::array<double, side_by_side>;
