@@ -47,7 +47,7 @@ class PowerProblem : public ProjectedData {
   }
   [[nodiscard]] StepBounds step_bounds(const Exponents& exponents) const {
     constexpr double moderate = 1;
-    StepBounds result;
+    StepBounds result(exponents.size());
     for (const double each : exponents) result.add(moderate, each, -largest_, largest_);
     return result;
   }

@@ -239,12 +239,15 @@ Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen:
   const double least = 1e-14 * matrix.diagonal().maxCoeff() + std::numeric_limits<double>::min();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
   std::vector<Index> free, held;
+  free.reserve(static_cast<std::size_t>(count));
+  held.reserve(static_cast<std::size_t>(count));
   for (Index k = 0; k < count; ++k) {
     if (lower[k] < upper[k]) free.push_back(k);
   }
   std::vector<double> way;
+  Eigen::VectorXd now = gradient;  // after the step
   for (Index round = 0; round < 3 * count && !free.empty(); ++round) {
-    solve_part(*this, gradient + matrix * step, free, least, way);
+    solve_part(*this, now, free, least, way);
     double share = 1;
     std::size_t first = free.size();
     for (std::size_t i = 0; i < free.size(); ++i) {
@@ -255,14 +258,16 @@ Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen:
       first = i;
     }
     for (std::size_t i = 0; i < free.size(); ++i) step[free[i]] += share * way[i];
-    if (first < free.size()) {
+    const bool meets_bound = first < free.size();
+    if (meets_bound) {
       step[free[first]] = way[first] > 0 ? upper[free[first]] : lower[free[first]];
       held.push_back(free[first]);
       free.erase(free.begin() + static_cast<std::ptrdiff_t>(first));
-      if (!free.empty()) continue;
     }
+    now.noalias() = matrix * step;
+    now += gradient;
+    if (meets_bound && !free.empty()) continue;
     // Which bound holds back most?
-    const Eigen::VectorXd now = gradient + matrix * step;
     const auto pull = [&](Index k) { return step[k] == upper[k] ? now[k] : -now[k]; };
     const auto most = std::max_element(held.begin(), held.end(), [&](Index a, Index b) { return pull(a) < pull(b); });
     if (most == held.end() || !(pull(*most) > 0)) break;

@@ -24,6 +24,10 @@ struct StepBounds {
   std::vector<double> moderate;      // either way: beyond, the linear picture seldom holds
   std::vector<double> lower, upper;  // what the limits leave
 
+  /// @param most  that are added
+  explicit StepBounds(std::size_t most) {
+    for (std::vector<double>* const each : {&moderate, &lower, &upper}) each->reserve(most);
+  }
   /// Adds the bounds of one more, whose value stays between `least` and `most`.
   void add(double moderate_change, double value, double least, double most) {
     moderate.push_back(moderate_change);

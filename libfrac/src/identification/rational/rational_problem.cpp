@@ -415,7 +415,7 @@ StepBounds RationalProblem::step_bounds(const RationalShape& shape) const {
   const double least_damping = poles_ == Poles::anywhere ? -most_damping
                                : poles_ == Poles::stable ? least_stable_damping(shape.order)
                                                          : 0;
-  StepBounds result;
+  StepBounds result(2 * shape.factors.size() + 2);
   const double beyond = beyond_band / shape.order;
   for (const PoleFactor& factor : shape.factors) {
     result.add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);

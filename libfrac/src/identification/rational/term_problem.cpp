@@ -218,7 +218,7 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
 
 StepBounds TermProblem::step_bounds(const TermSum& sum) const {
   constexpr double e_folds = 2, of_order = 0.2;
-  StepBounds result;
+  StepBounds result(3 * sum.size());
   for (const Term& term : sum) {
     if (term.kind != Term::Kind::power) {
       result.add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);

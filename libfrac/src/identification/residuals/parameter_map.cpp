@@ -424,6 +424,7 @@ void ParameterMap::add_slopes(std::size_t k, double factor, std::span<const doub
 
 std::vector<ParameterMap::Entry> ParameterMap::jacobian_entries(std::span<const double> parameters) const {
   std::vector<Entry> entries;
+  entries.reserve(2 * free_.size());
   for (std::size_t k = 0; k < free_.size(); ++k) add_slopes(k, 1, parameters, free_[k].parameter, entries);
   return entries;
 }
