@@ -196,6 +196,11 @@ TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {
   expect_failure({"identify", folder.write("point.csv", "omega_rad_s,re,im\n1,1,1\n"), "--models", "zarc"}, 1,
                  "no candidate could be fitted");
   expect_failure({"identify", data, "--clearance", "0.3"}, 2, "--force");
+  // The header that `response` writes has the force alone, which nobody asks for.
+  const auto of_response = folder.write("response.csv", std::string("# force_n: 40\n") + good_data);
+  const auto ranked = run_fracfit({"identify", of_response, "--models", "power-law,lag"});
+  EXPECT_EQ(ranked.code, 0) << ranked.error;
+  EXPECT_EQ(ranked.output.find("static-backlash"), std::string::npos) << ranked.output;
   expect_failure({"identify", data, "--mass1", "1"}, 2, "no meaning");
   expect_failure({"identify", data, "--models", "power-law,,gain"}, 2, "entry 2 is empty");
   expect_failure({"identify", data, "--models", ""}, 2, "--models '': the value is empty");

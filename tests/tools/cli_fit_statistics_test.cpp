@@ -244,6 +244,16 @@ TEST_F(FitStatistics, UnstableModelsAreCalledSo) {
   EXPECT_TRUE(fitted("tanh(sqrt(3 s))/sqrt(3 s)", "K tanh(sqrt(T s))/sqrt(T s)").first.is_null());
 }
 
+// A constant leaves half of a power of .7 over two decades, 50 times the noise; the power itself leaves the noise.
+TEST_F(FitStatistics, TheTableSaysThatAModelMissesTheData) {
+  const auto table_of = [&](const char* model) {
+    return run_fracfit(fit({"--model", model, "--format", "table"})).output;
+  };
+  const std::string missing = table_of("gain"), following = table_of("K s^a");
+  EXPECT_NE(missing.find("the model misses the data: its residuals are "), std::string::npos) << missing;
+  EXPECT_EQ(following.find("misses"), std::string::npos) << following;
+}
+
 // A circuit of passive elements, without noise: its name stands in JSON, and in the table in the place of its formula.
 TEST_F(FitStatistics, AGrownCircuitIsNamed) {
   const std::string path = folder.path("circuit.csv");

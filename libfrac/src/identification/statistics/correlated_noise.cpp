@@ -131,6 +131,8 @@ Eigen::MatrixXd CorrelatedNoise::covariance(const Eigen::Ref<const Eigen::Matrix
   if (possibilities_.empty()) return columns.transpose() * columns;
   std::vector<SmoothError::Possibility> smooth;
   double variance = 0;
+  // Of each row half of itself and all earlier ones, by their covariance with it: products with the rows and their
+  // transpose count each pair twice.
   Eigen::MatrixXd half = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   for (const Possibility& each : possibilities_) {
     if (each.probability < 1e-6) continue;
