@@ -432,8 +432,8 @@ TEST(RelaxationTimesOfData, EndsAreTermsOfTheirOwn) {
   for (std::size_t i = 0; i < found.density.size(); ++i) EXPECT_GE(found.density[i], 0);
 }
 
-// In units 2^20 apart every number of the computation has the same digits.  In milliohms the density used to be so small
-// beside the ends, or these beside it, that what keeps the equations solvable took the constant's part.
+// In units 2^20 apart every number of the computation has the same digits.  Were the columns of the ends of another
+// size than those of the density, the term that keeps the equations solvable would take a part of the constant.
 TEST(RelaxationTimesOfData, DoNotDependOnUnits) {
   const frac::FrequencyResponseData data = two_arcs(5);
   const auto found = frac::relaxation_times(data, TimesKernel::falling);

@@ -101,7 +101,7 @@ TEST(DrtCommand, SeveralFilesStandByTheirNames) {
       for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].at("value"), expected[i].at("value")) << kind;
     }
   }
-  // The resistance before the arc, in its interval.
+  // The resistance before the arc, in its interval, which is far from 0: the data tell the one from the other.
   const auto constant = only(alone.at("rows"), "data", "constant")[0];
   EXPECT_LE(constant.at("lower").get<double>(), 10);
   EXPECT_GE(constant.at("upper").get<double>(), 10);

@@ -16,9 +16,9 @@ namespace frac {
 struct DerivedEstimate {
   std::string name;
   std::string formula;
-  double value;                                   // NaN where the formula has no real value at the estimates
-  /// NaN where they hang on a parameter without a standard error, or on parameters that only trade off, so that no digit
-  /// of the quantity's own is left in their covariance.
+  double value;  // NaN where the formula has no real value at the estimates
+  /// NaN where they hang on a parameter without a standard error, or on parameters that only trade off, so that no
+  /// digit of the quantity's own is left in their covariance.
   double standard_error, ci95_lower, ci95_upper;
 };
 

@@ -12,7 +12,7 @@ namespace {
 /// Beyond this correlation a record looks like a drift, and its level is not determined.
 constexpr double most_correlation = 0.98;
 
-/// Adds the earlier rows, each times r per point since, and all times a factor.
+/// Adds to each row of a sum all earlier rows of the columns, each times r per point since then and times a factor.
 void add_earlier(double factor, double r, const Eigen::Ref<const Eigen::MatrixXd>& columns, std::size_t per_point,
                  Eigen::MatrixXd& sum) {
   const auto stride = static_cast<Eigen::Index>(per_point);
